@@ -1,0 +1,5 @@
+//! Sinew: coupled solids by the material point method, as declared tasks on the patches of a grid.
+pub mod input;
+pub mod output;
+pub mod physics;
+pub mod simd;

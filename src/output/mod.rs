@@ -1,0 +1,2 @@
+//! Files for people and for other programs.
+pub mod frame;

@@ -1,0 +1,82 @@
+//! What a constitutive law is to the rest of Sinew: a pure function of one particle's deformation and
+//! history, written once for eight particles at a time.
+use crate::simd::{Mask, Simd};
+
+/// The most numbers of history that a law may keep per particle.
+pub const MAX_HISTORY: usize = 12;
+
+/// One number that a particle carries for its law; it is stored, moved, written and restarted by name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Variable {
+    /// Name in output files, for example `failure`.
+    pub name: &'static str,
+    /// Unit in output files.
+    pub unit: &'static str,
+}
+
+/// Deformation of eight particles after a step.
+#[derive(Clone, Copy)]
+pub struct Kinematics<S> {
+    /// Deformation gradient F, row by row.
+    pub f: [S; 9],
+    /// J = det F
+    pub j: S,
+    /// Relative deformation gradient of the step, F_new = f F_old, row by row.
+    pub increment: [S; 9],
+}
+
+/// What a law answers.
+#[derive(Clone, Copy)]
+pub struct Response<S> {
+    /// Kirchhoff stress τ = J σ [Pa]: xx, xy, xz, yy, yz, zz.
+    pub kirchhoff: [S; 6],
+    /// Upper bound of ρ₀ c² over all directions and polarizations [Pa].
+    pub modulus: S,
+    /// What happened to whom.
+    pub events: Events,
+}
+
+/// One bit a particle; `matrix_failed` and `fiber_failed` are set in the step of the failure only.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Events {
+    /// The matrix failed in this step.
+    pub matrix_failed: Mask,
+    /// The fibers failed in this step.
+    pub fiber_failed: Mask,
+    /// The deformation is not admissible (J ≤ 0 or not a number) and the law has no policy for it: the run stops.
+    pub inverted: Mask,
+    /// The particle keeps the F that it had before the step (it carries no stress any more).
+    pub frozen: Mask,
+}
+
+/// Energy densities of eight particles, per reference volume [J/m³].
+#[derive(Clone, Copy)]
+pub struct Energies<S> {
+    /// Stored elastically.
+    pub strain: S,
+    /// Spent on plastic flow so far.
+    pub plastic: S,
+    /// Stored energy that failure has released so far.
+    pub fracture: S,
+}
+
+/// A constitutive law. Its parameters are its fields; `S` is the vector type of an instruction set.
+///
+/// A new law is one file with an implementation of this trait and of
+/// [`Described`](super::parameter::Described), and one line in [`materials`](super::materials).
+pub trait Law: Copy + Send + Sync + 'static {
+    /// The numbers that a particle carries besides F; at most [`MAX_HISTORY`].
+    const HISTORY: &'static [Variable];
+
+    /// History of an undeformed particle whose fibers point along the unit vector `fiber`.
+    fn initial(&self, fiber: [f64; 3], history: &mut [f64]);
+
+    /// Stress and new history after a step. `history` has `HISTORY.len()` entries.
+    fn update<S: Simd>(&self, kinematics: &Kinematics<S>, history: &mut [S]) -> Response<S>;
+
+    /// Energies in the present state.
+    fn energies<S: Simd>(&self, kinematics: &Kinematics<S>, history: &[S]) -> Energies<S>;
+
+    /// Small-strain bulk and shear modulus [Pa]: for estimates before a run.
+    fn moduli(&self) -> (f64, f64);
+}

@@ -1,0 +1,63 @@
+//! Constitutive laws, one file each, and their registry.
+pub mod neo_hookean;
+
+use super::law::Law;
+use super::parameter::{Described, Parameter, Values};
+
+/// Work that is generic over the law: turns the scene's choice into a type, once.
+pub trait WithLaw {
+    /// What it returns.
+    type Output;
+    /// The work.
+    fn with<L: Law>(self, law: L) -> Self::Output;
+}
+
+/// What the scene reader needs to know of a law.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// The word after `law =`.
+    pub name: &'static str,
+    /// What it models, with its source.
+    pub summary: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+    /// Makes the law from complete, checked values.
+    pub build: fn(&Values) -> Result<AnyLaw, (&'static str, String)>,
+}
+
+/// One line a law: variant, type, and (after `=>`) the described parameter set that it is chosen by.
+macro_rules! registry {
+    (laws { $($variant:ident($law:ty),)* } described { $($described:ty,)* }) => {
+        /// A law chosen by a scene.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[allow(missing_docs)]
+        pub enum AnyLaw { $($variant($law)),* }
+
+        impl AnyLaw {
+            /// Runs `work` with the law as a type.
+            pub fn visit<W: WithLaw>(&self, work: W) -> W::Output {
+                match *self { $(AnyLaw::$variant(law) => work.with(law)),* }
+            }
+        }
+        $(impl From<$law> for AnyLaw {
+            fn from(law: $law) -> Self { AnyLaw::$variant(law) }
+        })*
+
+        /// All laws that a scene can name.
+        pub const LAWS: &[Entry] = &[$(Entry {
+            name: <$described>::NAME,
+            summary: <$described>::SUMMARY,
+            parameters: <$described>::PARAMETERS,
+            build: |values| <$described>::build(values).map(Into::into),
+        }),*];
+    };
+}
+
+registry! {
+    laws {
+        NeoHookean(neo_hookean::NeoHookean),
+    }
+    described {
+        neo_hookean::NeoHookean,
+    }
+}

@@ -1,0 +1,5 @@
+//! The physics: pure functions of numbers. Nothing here knows a patch, a task or a file.
+pub mod law;
+pub mod materials;
+pub mod parameter;
+pub mod tensor;

@@ -1,0 +1,143 @@
+//! How a law describes its parameters, so that scenes are read, checked and documented from one table.
+use std::collections::BTreeMap;
+
+/// Physical dimension of a number, with its SI unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// A pure number.
+    One,
+    /// m
+    Length,
+    /// s
+    Time,
+    /// m/s
+    Velocity,
+    /// m/s²
+    Acceleration,
+    /// kg/m³
+    Density,
+    /// Pa
+    Stress,
+    /// rad
+    Angle,
+    /// rad/s
+    AngularVelocity,
+    /// 1/s
+    Rate,
+}
+
+impl Dimension {
+    /// The SI unit.
+    pub fn si(self) -> &'static str {
+        match self {
+            Dimension::One => "1",
+            Dimension::Length => "m",
+            Dimension::Time => "s",
+            Dimension::Velocity => "m/s",
+            Dimension::Acceleration => "m/s^2",
+            Dimension::Density => "kg/m^3",
+            Dimension::Stress => "Pa",
+            Dimension::Angle => "rad",
+            Dimension::AngularVelocity => "rad/s",
+            Dimension::Rate => "1/s",
+        }
+    }
+}
+
+/// What a parameter accepts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A number of a dimension in a range.
+    Number {
+        /// Its dimension.
+        dimension: Dimension,
+        /// The least value; exclusive if `open_below`.
+        least: f64,
+        /// Whether `least` itself is refused.
+        open_below: bool,
+        /// The greatest value, inclusive (infinite: unbounded).
+        most: f64,
+        /// `None`: the scene must give it.
+        default: Option<f64>,
+    },
+    /// One of several words; the first is the default.
+    Choice(&'static [&'static str]),
+    /// true or false, with the default.
+    Flag(bool),
+}
+
+/// One parameter of a law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Key in the scene file.
+    pub key: &'static str,
+    /// What it accepts.
+    pub kind: Kind,
+    /// What it means, in a sentence.
+    pub meaning: &'static str,
+}
+
+impl Parameter {
+    /// A number above zero that the scene must give.
+    pub const fn positive(key: &'static str, dimension: Dimension, meaning: &'static str) -> Self {
+        let kind =
+            Kind::Number { dimension, least: 0.0, open_below: true, most: f64::INFINITY, default: None };
+        Self { key, kind, meaning }
+    }
+
+    /// A number of at least `least`, with a default (`None`: the scene must give it).
+    pub const fn at_least(
+        key: &'static str,
+        dimension: Dimension,
+        least: f64,
+        default: Option<f64>,
+        meaning: &'static str,
+    ) -> Self {
+        let kind = Kind::Number { dimension, least, open_below: false, most: f64::INFINITY, default };
+        Self { key, kind, meaning }
+    }
+}
+
+/// The values a scene gave, in SI, defaults filled in: every parameter of the law is there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Values {
+    /// Numbers in SI units.
+    pub numbers: BTreeMap<&'static str, f64>,
+    /// Chosen words.
+    pub choices: BTreeMap<&'static str, String>,
+    /// Flags.
+    pub flags: BTreeMap<&'static str, bool>,
+}
+
+impl Values {
+    /// The number of a parameter.
+    ///
+    /// # Panics
+    /// If the law asks for a key that it did not describe: an error in the law, not in the scene.
+    pub fn number(&self, key: &str) -> f64 {
+        self.numbers[key]
+    }
+    /// The chosen word. Panics as [`Values::number`].
+    pub fn choice(&self, key: &str) -> &str {
+        &self.choices[key]
+    }
+    /// The flag. Panics as [`Values::number`].
+    pub fn flag(&self, key: &str) -> bool {
+        self.flags[key]
+    }
+}
+
+/// A law that can be written in a scene.
+pub trait Described: Sized {
+    /// The word after `law =`.
+    const NAME: &'static str;
+    /// What it models, with its source.
+    const SUMMARY: &'static str;
+    /// Its parameters, in the order of the documentation.
+    const PARAMETERS: &'static [Parameter];
+    /// The law from complete, checked values.
+    ///
+    /// # Errors
+    /// Values that are each in range but not together: (key to blame, message).
+    fn build(values: &Values) -> Result<Self, (&'static str, String)>;
+}
