@@ -1,5 +1,11 @@
 //! Sinew: coupled solids by the material point method, as declared tasks on the patches of a grid.
+pub mod data;
+pub mod exec;
+pub mod graph;
+pub mod grid;
 pub mod input;
 pub mod output;
 pub mod physics;
 pub mod simd;
+#[path = "../tasks/mod.rs"]
+pub mod tasks;

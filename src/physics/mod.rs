@@ -1,5 +1,10 @@
 //! The physics: pure functions of numbers. Nothing here knows a patch, a task or a file.
+pub mod contact;
+pub mod lattice;
 pub mod law;
 pub mod materials;
 pub mod parameter;
+pub mod shape;
 pub mod tensor;
+pub mod viscosity;
+pub mod work;

@@ -31,3 +31,18 @@ pub fn apply<S: Simd>(a: &[S; 9], u: &[S; 3]) -> [S; 3] {
 pub fn trace<S: Simd>(a: &[S; 6]) -> S {
     a[0] + a[3] + a[5]
 }
+
+/// A B
+#[inline(always)]
+pub fn multiply<S: Simd>(a: &[S; 9], b: &[S; 9]) -> [S; 9] {
+    std::array::from_fn(|n| {
+        let (i, j) = (n / 3, n % 3);
+        a[3 * i].fma(b[j], a[3 * i + 1].fma(b[3 + j], a[3 * i + 2] * b[6 + j]))
+    })
+}
+
+/// 1 + Δt L
+#[inline(always)]
+pub fn increment<S: Simd>(l: &[S; 9], dt: S) -> [S; 9] {
+    std::array::from_fn(|n| dt.fma(l[n], S::splat(if n % 4 == 0 { 1.0 } else { 0.0 })))
+}

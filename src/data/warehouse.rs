@@ -1,0 +1,284 @@
+//! All data of a run, by patch and material, and which blocks are active.
+//!
+//! Particle labels of the old and the new step share storage: the graph's write-after-read edges are what makes
+//! that safe. Node fields exist only in blocks that a material touches.
+use super::label::Home;
+use super::labels::{LABELS, LabelId};
+use super::nodes::{NOWHERE, NodeBlock};
+use super::particles::{Layout, ParticleBlock};
+use super::reduction;
+use crate::grid::{BlockIndex, Decomposition, IndexBox, Level, add, around};
+use crate::simd::Wide;
+use bytemuck::Pod;
+
+/// What is known about a material without knowing its physics.
+#[derive(Clone, Debug)]
+pub struct MaterialData {
+    /// Name in messages.
+    pub name: String,
+    /// Its particle labels.
+    pub layout: Layout,
+    /// Half-size of a particle in cells along each axis: it decides the block (0 for linear shape functions).
+    pub half_size: [f64; 3],
+    /// Which materials it touches.
+    pub contacts: Vec<bool>,
+}
+
+/// Particle blocks of one material on one patch, in x-major order of blocks.
+#[derive(Clone, Debug, Default)]
+pub struct ParticlePatch {
+    /// The blocks.
+    pub blocks: Vec<ParticleBlock>,
+    /// Position + 1 in `blocks` of each block of the patch, 0: none.
+    lookup: Vec<u32>,
+}
+
+/// Node blocks of one patch, in x-major order.
+#[derive(Clone, Debug, Default)]
+pub struct NodePatch {
+    /// The blocks.
+    pub blocks: Vec<NodeBlock>,
+    lookup: Vec<u32>,
+}
+
+/// All data of a run.
+#[derive(Clone, Debug)]
+pub struct Warehouse {
+    /// The grid.
+    pub level: Level,
+    /// The patches.
+    pub decomposition: Decomposition,
+    /// The materials.
+    pub materials: Vec<MaterialData>,
+    /// Particles: `[patch][material]`.
+    pub particles: Vec<Vec<ParticlePatch>>,
+    /// Nodes: `[patch]`.
+    pub nodes: Vec<NodePatch>,
+    /// Labels of home `Material` and `Global`.
+    pub shared: Shared,
+    /// Whether blocks became occupied since the last [`Warehouse::activate`].
+    pub stale: bool,
+}
+
+impl Warehouse {
+    /// An empty warehouse.
+    pub fn new(level: Level, decomposition: Decomposition, materials: Vec<MaterialData>) -> Self {
+        let patches = decomposition.patches.len();
+        let empty = vec![ParticlePatch::default(); materials.len()];
+        let mut particles = vec![empty; patches];
+        let mut nodes = vec![NodePatch::default(); patches];
+        for (patch, (particles, nodes)) in decomposition.patches.iter().zip(particles.iter_mut().zip(&mut nodes)) {
+            particles.iter_mut().for_each(|p| p.lookup = vec![0; patch.blocks.len()]);
+            nodes.lookup = vec![0; patch.blocks.len()];
+        }
+        let shared = Shared::new(materials.len());
+        Self { level, decomposition, materials, particles, nodes, shared, stale: true }
+    }
+
+    /// Number of particles.
+    pub fn particle_count(&self) -> usize {
+        self.blocks().map(|(_, block)| block.count).sum()
+    }
+
+    /// All particle blocks with their materials, patch by patch.
+    pub fn blocks(&self) -> impl Iterator<Item = (usize, &ParticleBlock)> {
+        self.particles.iter().flat_map(|patch| {
+            patch.iter().enumerate().flat_map(|(m, p)| p.blocks.iter().map(move |block| (m, block)))
+        })
+    }
+
+    /// Where an inert lane of a block rests [m]: the middle of the block.
+    pub fn rest(&self, index: BlockIndex) -> [f64; 3] {
+        std::array::from_fn(|a| self.level.lower[a] + self.level.cell * (4.0 * f64::from(index[a]) + 2.0))
+    }
+
+    /// Adds a particle to the block that owns position `x`. New blocks wait for [`Warehouse::activate`].
+    ///
+    /// # Errors
+    /// A position outside the level.
+    pub fn insert(&mut self, material: usize, x: [f64; 3], record: &[f64]) -> Result<(), OutsideLevel> {
+        let node = self.level.base_node(x, self.materials[material].half_size);
+        let index = Level::block_of(node);
+        let patch = self.decomposition.owner(index).filter(|_| self.level.contains(x)).ok_or(OutsideLevel)?;
+        let rest = self.rest(index);
+        let blocks = self.decomposition.patches[patch].blocks;
+        let home = &mut self.particles[patch][material];
+        let slot = &mut home.lookup[blocks.offset(index).ok_or(OutsideLevel)?];
+        if *slot == 0 {
+            home.blocks.push(ParticleBlock::new(index));
+            *slot = home.blocks.len() as u32;
+            self.stale = true;
+        }
+        home.blocks[*slot as usize - 1].push(&self.materials[material].layout, rest, record);
+        Ok(())
+    }
+
+    /// Rebuilds what follows from the set of occupied blocks: order, node blocks, neighbors.
+    pub fn activate(&mut self) {
+        for (patch, particles) in self.decomposition.patches.iter().zip(&mut self.particles) {
+            for material in particles {
+                material.blocks.retain(|block| block.count > 0);
+                material.blocks.sort_by_key(|block| block.index);
+                fill_lookup(&mut material.lookup, patch.blocks, material.blocks.iter().map(|b| b.index));
+            }
+        }
+        self.activate_nodes();
+        self.link();
+        self.stale = false;
+    }
+
+    /// Node blocks: wherever a material's occupied block, or a neighbor of one, lies.
+    fn activate_nodes(&mut self) {
+        let mut touched: Vec<Vec<u64>> =
+            self.decomposition.patches.iter().map(|p| vec![0; p.blocks.len()]).collect();
+        for (material, block) in self.particles.iter().flat_map(|patch| {
+            patch.iter().enumerate().flat_map(|(m, p)| p.blocks.iter().map(move |block| (m, block)))
+        }) {
+            for index in around().map(|d| add(block.index, d)) {
+                let Some(patch) = self.decomposition.owner(index) else { continue };
+                if let Some(at) = self.decomposition.patches[patch].blocks.offset(index) {
+                    touched[patch][at] |= 1 << material;
+                }
+            }
+        }
+        for ((patch, nodes), touched) in self.decomposition.patches.iter().zip(&mut self.nodes).zip(touched) {
+            let materials = |bits: u64| (0..64).filter(|m| bits >> m & 1 == 1).collect::<Vec<u8>>();
+            nodes.blocks = patch
+                .blocks
+                .iter()
+                .zip(touched)
+                .filter(|&(_, bits)| bits != 0)
+                .map(|(index, bits)| NodeBlock::new(index, materials(bits)))
+                .collect();
+            fill_lookup(&mut nodes.lookup, patch.blocks, nodes.blocks.iter().map(|b| b.index));
+        }
+    }
+
+    /// Neighbor tables between particle and node blocks, and which particle blocks are near another material.
+    fn link(&mut self) {
+        let decomposition = &self.decomposition;
+        let locate = |index: BlockIndex| {
+            let patch = decomposition.owner(index)?;
+            Some((patch, decomposition.patches[patch].blocks.offset(index)?))
+        };
+        let (particles, nodes) = (&mut self.particles, &mut self.nodes);
+        for node_patch in nodes.iter_mut() {
+            for block in &mut node_patch.blocks {
+                for (slot, &material) in block.present.iter().enumerate() {
+                    for (entry, d) in block.around[slot].iter_mut().zip(around()) {
+                        *entry = locate(add(block.index, d)).map_or(NOWHERE, |(patch, at)| {
+                            position(patch, particles[patch][material as usize].lookup[at])
+                        });
+                    }
+                }
+            }
+        }
+        for particle_patch in particles.iter_mut() {
+            for (material, home) in particle_patch.iter_mut().enumerate() {
+                let contacts = &self.materials[material].contacts;
+                for block in &mut home.blocks {
+                    for (entry, d) in block.around.iter_mut().zip(around()) {
+                        *entry = locate(add(block.index, d))
+                            .map_or(NOWHERE, |(patch, at)| position(patch, nodes[patch].lookup[at]));
+                    }
+                    let touches = |&(patch, at): &(u32, u32)| {
+                        let present = &nodes[patch as usize].blocks[at as usize].present;
+                        present.iter().any(|&other| contacts[other as usize])
+                    };
+                    block.near = block.around.iter().filter(|&&n| n != NOWHERE).any(touches);
+                }
+            }
+        }
+    }
+
+    /// Bytes of particle and of node data.
+    pub fn bytes(&self) -> (usize, usize) {
+        let particles = self.blocks().map(|(_, block)| block.bytes()).sum();
+        let lines: usize = self.nodes.iter().flat_map(|p| &p.blocks).map(|b| b.motion.len()).sum();
+        (particles, lines * size_of::<Wide>())
+    }
+}
+
+/// A position outside the level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutsideLevel;
+
+fn position(patch: usize, slot: u32) -> (u32, u32) {
+    if slot == 0 { NOWHERE } else { (patch as u32, slot - 1) }
+}
+
+fn fill_lookup(lookup: &mut [u32], blocks: IndexBox, indices: impl Iterator<Item = BlockIndex>) {
+    lookup.fill(0);
+    for (position, index) in indices.enumerate() {
+        if let Some(at) = blocks.offset(index) {
+            lookup[at] = position as u32 + 1;
+        }
+    }
+}
+
+/// Labels of home `Material` (a tile a material) and `Global` (one tile).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shared {
+    lines: Vec<Wide>,
+    starts: [usize; LABELS],
+    materials: usize,
+}
+
+impl Shared {
+    fn new(materials: usize) -> Self {
+        let mut starts = [0; LABELS];
+        let mut total = 0;
+        for (start, &label) in starts.iter_mut().zip(LabelId::ALL) {
+            *start = total;
+            total += Self::tiles(label, materials) * label.width();
+        }
+        let mut shared = Self { lines: vec![Wide::default(); total], starts, materials };
+        LabelId::ALL.iter().for_each(|&label| reduction::clear(label.reduce(), shared.column_mut(label)));
+        shared
+    }
+
+    fn tiles(label: LabelId, materials: usize) -> usize {
+        match label.home() {
+            Home::Material => materials,
+            Home::Global => 1,
+            _ => 0,
+        }
+    }
+
+    /// All tiles of a label.
+    pub fn column(&self, label: LabelId) -> &[Wide] {
+        let length = Self::tiles(label, self.materials) * label.width();
+        &self.lines[self.starts[label as usize]..][..length]
+    }
+
+    /// All tiles of a label.
+    pub fn column_mut(&mut self, label: LabelId) -> &mut [Wide] {
+        let length = Self::tiles(label, self.materials) * label.width();
+        &mut self.lines[self.starts[label as usize]..][..length]
+    }
+
+    /// The value of a label (`material` 0 for home `Global`).
+    pub fn get<T: Pod>(&self, label: LabelId, material: usize) -> T {
+        let tiles: &[T] = bytemuck::cast_slice(self.column(label));
+        tiles[material]
+    }
+
+    /// Sets the value of a label (`material` 0 for home `Global`).
+    pub fn set<T: Pod>(&mut self, label: LabelId, material: usize, value: T) {
+        let tiles: &mut [T] = bytemuck::cast_slice_mut(self.column_mut(label));
+        tiles[material] = value;
+    }
+
+    /// A column a label: empty for labels that live elsewhere.
+    pub fn split(&mut self) -> [&mut [Wide]; LABELS] {
+        let materials = self.materials;
+        let mut rest = &mut self.lines[..];
+        std::array::from_fn(|label| {
+            let label = LabelId::ALL[label];
+            let length = Self::tiles(label, materials) * label.width();
+            let (column, after) = std::mem::take(&mut rest).split_at_mut(length);
+            rest = after;
+            column
+        })
+    }
+}

@@ -1,0 +1,25 @@
+//! Runs a graph on a warehouse. Knows labels, blocks and threads; knows no physics.
+pub mod halo;
+pub mod relocate;
+pub mod scratch;
+pub mod serial;
+pub mod stage;
+pub mod step;
+pub mod threads;
+
+pub use serial::Serial;
+pub use step::Engine;
+pub use threads::Threads;
+
+/// How independent pieces of a phase are spread over workers. A rank executor joins here: its pieces are those of
+/// its own patches, and it exchanges halos and reductions between phases.
+pub trait Executor: Send + Sync {
+    /// Runs `work(worker, item)` on every item, each on some worker below [`Executor::workers`]; at any time a
+    /// worker runs one item.
+    fn each<T: Send>(&self, items: &mut [T], work: impl Fn(usize, &mut T) + Sync)
+    where
+        Self: Sized;
+
+    /// Number of workers.
+    fn workers(&self) -> usize;
+}

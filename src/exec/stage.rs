@@ -1,0 +1,158 @@
+//! One stage on one block: columns are laid out, then the fused tasks run chunk by chunk.
+use super::halo::{LoadRegion, SumPartials};
+use super::scratch::{AHEAD, CHUNK, Scratch};
+use crate::data::label::Home;
+use crate::data::labels::{LABELS, LabelId};
+use crate::data::nodes::{NODES, NodeBlock};
+use crate::data::particles::ParticleBlock;
+use crate::data::reduction;
+use crate::data::warehouse::{MaterialData, NodePatch, ParticlePatch, Shared};
+use crate::data::workspace::Workspace;
+use crate::graph::build::Recipe;
+use crate::graph::fuse::Stage;
+use crate::graph::task::{At, Domain, Mode, Runnable};
+use crate::grid::{BLOCK, Level};
+use crate::physics::shape::{BELOW, BUFFER, Origin};
+use crate::simd::{Isa, LANES, Wide};
+
+/// Node labels that particles fill, and the index of their partial buffers.
+pub const SCATTERED: [(LabelId, usize); 2] = [(LabelId::NodeSums, 0), (LabelId::ContactSums, 1)];
+
+/// What is the same for all blocks of a phase.
+#[derive(Clone, Copy)]
+pub struct Context<'a> {
+    /// Instruction set.
+    pub isa: Isa,
+    /// The recipe.
+    pub recipe: &'a Recipe,
+    /// The grid.
+    pub level: &'a Level,
+    /// The materials.
+    pub materials: &'a [MaterialData],
+}
+
+impl Context<'_> {
+    fn at(&self, index: [i32; 3]) -> At<'_> {
+        let node = index.map(|b| BLOCK * b);
+        let origin = Origin {
+            node: node.map(|n| f64::from(n - BELOW)),
+            lower: self.level.lower.map(|x| x / self.level.cell),
+        };
+        At { origin, count: 0, node, present: &[] }
+    }
+
+    fn task(&self, entry: usize) -> &dyn Runnable {
+        &*self.recipe.entries[entry].task
+    }
+}
+
+/// Runs a particle stage on one block.
+pub fn sweep(
+    context: &Context<'_>,
+    stage: &Stage,
+    nodes: &[NodePatch],
+    scratch: &mut Scratch,
+    block: &mut ParticleBlock,
+) {
+    let Some(material) = stage.material else { return };
+    let layout = &context.materials[material].layout;
+    let (mut columns, shared) = scratch.split();
+    for (label, which) in SCATTERED {
+        let exists = label == LabelId::NodeSums || block.near;
+        if stage.touches(label, Mode::writes) && exists {
+            block.partials[which].clear();
+            block.partials[which].resize(BUFFER, Wide::default());
+        } else if stage.touches(label, Mode::writes) {
+            block.partials[which] = Vec::new();
+        }
+    }
+    if stage.touches(LabelId::NodeMotion, Mode::reads) {
+        let region = &mut *columns[LabelId::NodeMotion as usize];
+        context.isa.dispatch(LoadRegion { material, nodes, around: &block.around, region });
+    }
+    let (count, tiles, near, index) = (block.count, block.tiles(), block.near, block.index);
+    let split = block.split(layout);
+    let homes = split.columns.into_iter().zip(LabelId::ALL).zip(&mut columns);
+    for ((column, label), slot) in homes {
+        if label.home() == Home::Particle {
+            *slot = column;
+        }
+    }
+    for ((label, _), partial) in SCATTERED.iter().zip(split.partials) {
+        if stage.touches(*label, Mode::writes) {
+            columns[*label as usize] = partial;
+        }
+    }
+    if stage.touches(LabelId::BlockExtent, Mode::writes) {
+        reduction::clear(LabelId::BlockExtent.reduce(), split.extent);
+        columns[LabelId::BlockExtent as usize] = split.extent;
+    }
+    lend_shared(&mut columns, shared, Some(material));
+    let history = layout.widths[LabelId::History as usize];
+    let mut space = Workspace { columns, chunk: 0..0, ahead: AHEAD, history };
+    let mut at = context.at(index);
+    for first in (0..tiles).step_by(CHUNK) {
+        space.chunk = first..(first + CHUNK).min(tiles);
+        at.count = (count - first * LANES).min(CHUNK * LANES);
+        for &entry in &stage.entries {
+            let task = context.task(entry);
+            if near || task.declaration().domain != Domain::NearParticles {
+                task.run_on(context.isa, &at, &mut space);
+            }
+        }
+    }
+}
+
+/// Runs a node stage on one block.
+pub fn update_nodes(
+    context: &Context<'_>,
+    stage: &Stage,
+    particles: &[Vec<ParticlePatch>],
+    scratch: &mut Scratch,
+    block: &mut NodeBlock,
+) {
+    let (mut columns, shared) = scratch.split();
+    let lines = NODES * block.present.len();
+    for (label, which) in SCATTERED {
+        let column = std::mem::take(&mut columns[label as usize]);
+        let exists = label == LabelId::NodeSums || block.present.len() > 1;
+        if !stage.touches(label, Mode::reads) || !exists {
+            continue;
+        }
+        let column = &mut column[..lines];
+        let slots = column.chunks_exact_mut(NODES).zip(&block.present).zip(&block.around);
+        for ((sums, &material), around) in slots {
+            let material = material as usize;
+            context.isa.dispatch(SumPartials { which, material, particles, around, sums });
+        }
+        columns[label as usize] = column;
+    }
+    columns[LabelId::NodeMotion as usize] = &mut block.motion;
+    lend_shared(&mut columns, shared, None);
+    let mut space = Workspace { columns, ..Workspace::empty() };
+    let mut at = context.at(block.index);
+    at.present = &block.present;
+    for &entry in &stage.entries {
+        context.task(entry).run_on(context.isa, &at, &mut space);
+    }
+}
+
+/// Runs a stage that has no place.
+pub fn once(context: &Context<'_>, stage: &Stage, shared: &mut Shared) {
+    let mut space = Workspace { columns: shared.split(), ..Workspace::empty() };
+    let at = context.at([0; 3]);
+    for &entry in &stage.entries {
+        context.task(entry).run_on(context.isa, &at, &mut space);
+    }
+}
+
+/// Puts shared labels into their columns: one material's tile, or all tiles.
+fn lend_shared<'a>(columns: &mut [&'a mut [Wide]; LABELS], shared: &'a mut Shared, material: Option<usize>) {
+    for (slot, (column, label)) in columns.iter_mut().zip(shared.split().into_iter().zip(LabelId::ALL)) {
+        match (label.home(), material) {
+            (Home::Material, Some(m)) => *slot = &mut column[m * label.width()..(m + 1) * label.width()],
+            (Home::Material | Home::Global, _) => *slot = column,
+            _ => {}
+        }
+    }
+}

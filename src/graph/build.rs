@@ -1,0 +1,235 @@
+//! Edges from declarations. Recipe order is the meaning; edges only say what of it is needed.
+use super::error::GraphError;
+use super::fuse::{self, Phase};
+use super::prune;
+use super::task::{Access, Declaration, Domain, Mode, Runnable};
+use crate::data::label::{Home, Reduce};
+use crate::data::labels::LabelId;
+use crate::physics::shape::REACH;
+use petgraph::stable_graph::{NodeIndex, StableDiGraph};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// One line of a recipe.
+pub struct Entry {
+    /// The task.
+    pub task: Box<dyn Runnable>,
+    /// The material whose particles it runs over; `None`: all materials, or none.
+    pub material: Option<usize>,
+    /// Dotted key of the scene line that asked for it; empty: every simulation needs it.
+    pub because: String,
+}
+
+/// The tasks of a step in the order of the algorithm.
+#[derive(Default)]
+pub struct Recipe {
+    /// The lines.
+    pub entries: Vec<Entry>,
+    /// Names of the materials, for messages and dumps.
+    pub materials: Vec<String>,
+}
+
+/// Why an edge is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// Reads what the source wrote.
+    Flow,
+    /// Overwrites what the source read.
+    WriteAfterRead,
+    /// Overwrites, or adds to, what the source wrote.
+    WriteAfterWrite,
+}
+
+/// A derived dependency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edge {
+    /// The label.
+    pub label: LabelId,
+    /// Whose.
+    pub material: usize,
+    /// Why.
+    pub why: Why,
+    /// Ghost layers that the target reads.
+    pub ghost: u8,
+}
+
+/// A task in the graph.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// What it declared.
+    pub declaration: Declaration,
+    /// Its line of the recipe.
+    pub entry: usize,
+    /// Its material, if it runs over one.
+    pub material: Option<usize>,
+    /// Name with the material, for messages.
+    pub name: String,
+}
+
+/// The dependency graph over tasks.
+pub type Graph = StableDiGraph<Node, Edge>;
+
+/// A graph that runs.
+pub struct TaskGraph {
+    /// The recipe it was built from.
+    pub recipe: Recipe,
+    /// Tasks and edges that survived pruning.
+    pub graph: Graph,
+    /// Fused stages, in groups that may run at the same time.
+    pub phases: Vec<Phase>,
+    /// Tasks that nothing needs.
+    pub pruned: Vec<String>,
+    /// Labels whose value passes from step to step.
+    pub carried: BTreeSet<LabelId>,
+}
+
+impl TaskGraph {
+    /// Builds the graph of `recipe` on `patches` patches. `outputs` are wanted besides what the next step reads.
+    ///
+    /// # Errors
+    /// See [`GraphError`].
+    pub fn build(recipe: Recipe, outputs: &[LabelId], patches: usize) -> Result<Self, GraphError> {
+        let mut graph = derive(&recipe, patches)?;
+        let (pruned, carried) = prune::prune(&mut graph, outputs);
+        let phases = fuse::fuse(&graph, &recipe)?;
+        Ok(Self { recipe, graph, phases, pruned, carried })
+    }
+
+    /// Particle labels that the surviving tasks of `material` use.
+    pub fn particle_labels(&self, material: usize) -> BTreeSet<LabelId> {
+        let mine = self.graph.node_weights().filter(|n| n.material == Some(material));
+        let labels = mine.flat_map(|n| n.declaration.access.iter().map(|a| a.label));
+        labels.filter(|l| l.home() == Home::Particle).collect()
+    }
+}
+
+/// What has happened to one label of one material so far in the recipe.
+#[derive(Default)]
+struct Slot {
+    writers: Vec<NodeIndex>,
+    readers: Vec<NodeIndex>,
+}
+
+type Key = (LabelId, usize);
+
+struct Derivation<'a> {
+    recipe: &'a Recipe,
+    graph: Graph,
+    slots: BTreeMap<Key, Slot>,
+    everywhere: String,
+}
+
+fn derive(recipe: &Recipe, patches: usize) -> Result<Graph, GraphError> {
+    let everywhere = match patches {
+        1 => "patch 0".to_owned(),
+        n => format!("patches 0 to {}", n - 1),
+    };
+    let mut derivation = Derivation { recipe, graph: Graph::new(), slots: BTreeMap::new(), everywhere };
+    for (index, entry) in recipe.entries.iter().enumerate() {
+        let declaration = entry.task.declaration();
+        let name = match entry.material {
+            Some(m) => format!("{}[{}]", declaration.name, recipe.materials[m]),
+            None => declaration.name.to_owned(),
+        };
+        let node = Node { declaration, entry: index, material: entry.material, name };
+        let node = derivation.graph.add_node(node);
+        for access in declaration.access {
+            derivation.check_ghost(node, access)?;
+            derivation.add_access(node, access)?;
+        }
+    }
+    Ok(derivation.graph)
+}
+
+impl Derivation<'_> {
+    fn name(&self, node: NodeIndex) -> String {
+        self.graph[node].name.clone()
+    }
+
+    fn check_ghost(&self, node: NodeIndex, access: &Access) -> Result<(), GraphError> {
+        let stored = if access.label.home() == Home::Node { REACH } else { 0 };
+        if access.ghost <= stored {
+            return Ok(());
+        }
+        let (task, label, asked) = (self.name(node), access.label, access.ghost);
+        Err(GraphError::GhostTooWide { task, label, asked, stored, patch: 0 })
+    }
+
+    /// The slots that an access concerns: a particle task's own material, or all.
+    fn keys(&self, node: NodeIndex, label: LabelId) -> Vec<Key> {
+        match (label.home(), self.graph[node].material) {
+            (Home::Global, _) => vec![(label, 0)],
+            (_, Some(material)) => vec![(label, material)],
+            (_, None) => (0..self.recipe.materials.len()).map(|m| (label, m)).collect(),
+        }
+    }
+
+    fn add_access(&mut self, node: NodeIndex, access: &Access) -> Result<(), GraphError> {
+        let keys = self.keys(node, access.label);
+        if access.mode == Mode::RequiresNew
+            && !keys.iter().any(|key| self.slots.get(key).is_some_and(|s| !s.writers.is_empty()))
+        {
+            return Err(self.missing(node, access.label));
+        }
+        for key in keys {
+            self.add_to_slot(node, access, key)?;
+        }
+        Ok(())
+    }
+
+    fn add_to_slot(&mut self, node: NodeIndex, access: &Access, key: Key) -> Result<(), GraphError> {
+        let label = access.label;
+        let Slot { writers, readers } = self.slots.remove(&key).unwrap_or_default();
+        let mut slot = Slot { writers, readers };
+        let sums = label.reduce() != Reduce::No;
+        if let Some(&writer) = slot.writers.last() {
+            if access.mode == Mode::RequiresOld {
+                let (task, writer, patches) = (self.name(node), self.name(writer), self.everywhere.clone());
+                return Err(GraphError::OldAfterWrite { task, label, writer, patches });
+            }
+            if access.mode == Mode::Computes && slot.readers.is_empty() && !sums && label.home() != Home::Chunk {
+                let (task, producer, patches) = (self.name(node), self.name(writer), self.everywhere.clone());
+                return Err(GraphError::TwoProducers { task, label, producer, patches });
+            }
+        }
+        let edge = |why, ghost| Edge { label, material: key.1, why, ghost };
+        let why = if access.mode.reads() { Why::Flow } else { Why::WriteAfterWrite };
+        for &writer in slot.writers.iter().filter(|_| access.mode.reads() || !sums) {
+            self.graph.add_edge(writer, node, edge(why, access.ghost));
+        }
+        if access.mode.writes() {
+            for reader in slot.readers.drain(..).filter(|&r| r != node) {
+                self.graph.add_edge(reader, node, edge(Why::WriteAfterRead, 0));
+            }
+            if !(sums && access.mode == Mode::Computes) {
+                slot.writers.clear();
+            }
+            slot.writers.push(node);
+        } else {
+            slot.readers.push(node);
+        }
+        self.slots.insert(key, slot);
+        Ok(())
+    }
+
+    fn missing(&self, node: NodeIndex, label: LabelId) -> GraphError {
+        let (task, patches) = (self.name(node), self.everywhere.clone());
+        let material = self.graph[node].material;
+        let same = |m: Option<usize>| m.is_none() || material.is_none() || m == material;
+        let later = self.recipe.entries[self.graph[node].entry + 1..].iter().find(|entry| {
+            let access = entry.task.declaration().access;
+            same(entry.material) && access.iter().any(|a| a.label == label && a.mode.writes())
+        });
+        match later {
+            Some(entry) => {
+                let producer = entry.task.declaration().name.to_owned();
+                GraphError::RequiresBeforeComputes { task, label, producer, patches }
+            }
+            None => GraphError::NoProducer { task, label, patches },
+        }
+    }
+}
+
+/// Whether the task runs over particles.
+pub fn over_particles(domain: Domain) -> bool {
+    matches!(domain, Domain::Particles | Domain::NearParticles)
+}

@@ -1,0 +1,120 @@
+//! Joins neighbors of the recipe into stages, and independent stages into phases.
+//!
+//! A stage's tasks run together, chunk by chunk of particles or block by block of nodes, so that what passes
+//! between them stays in cache. A node label that particles fill needs all blocks first: it ends a stage.
+use super::build::{Graph, Recipe, Why, over_particles};
+use super::error::GraphError;
+use super::task::{Access, Domain, Mode};
+use crate::data::label::Home;
+use crate::data::labels::LabelId;
+use petgraph::Direction;
+use petgraph::stable_graph::NodeIndex;
+use petgraph::visit::EdgeRef;
+
+/// Tasks that run together.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// What they run over (`Particles` also for tasks on near particles only).
+    pub domain: Domain,
+    /// The material of particle stages.
+    pub material: Option<usize>,
+    /// Their lines of the recipe, in order.
+    pub entries: Vec<usize>,
+    /// Their nodes in the graph, in the same order.
+    pub nodes: Vec<NodeIndex>,
+    /// Labels touched, each once, with the strongest access.
+    pub touched: Vec<Access>,
+}
+
+impl Stage {
+    /// Whether some task of the stage touches `label` in a way that `test` accepts.
+    pub fn touches(&self, label: LabelId, test: impl Fn(Mode) -> bool) -> bool {
+        self.touched.iter().any(|a| a.label == label && test(a.mode))
+    }
+}
+
+/// Stages without edges between them.
+#[derive(Clone, Debug, Default)]
+pub struct Phase {
+    /// The stages: several only if all run over particles, of different materials.
+    pub stages: Vec<Stage>,
+}
+
+/// Stages and phases of a pruned graph.
+///
+/// # Errors
+/// [`GraphError::ChunkLabelEscapes`].
+pub fn fuse(graph: &Graph, recipe: &Recipe) -> Result<Vec<Phase>, GraphError> {
+    let mut stages: Vec<Stage> = Vec::new();
+    for node in graph.node_indices() {
+        let (entry, material) = (graph[node].entry, graph[node].material);
+        let declared = recipe.entries[entry].task.declaration().domain;
+        let domain = if over_particles(declared) { Domain::Particles } else { declared };
+        let joins = stages.last().is_some_and(|s| {
+            domain != Domain::Once
+                && (s.domain, s.material) == (domain, material)
+                && !needs_all_blocks(graph, node, s)
+        });
+        if !joins {
+            stages.push(Stage { domain, material, entries: vec![], nodes: vec![], touched: vec![] });
+        }
+        let Some(stage) = stages.last_mut() else { continue };
+        stage.entries.push(entry);
+        stage.nodes.push(node);
+        graph[node].declaration.access.iter().for_each(|&access| merge(&mut stage.touched, access));
+        check_chunk_labels(graph, node, stage)?;
+    }
+    Ok(group(graph, stages))
+}
+
+/// Whether `node` depends on something that is complete only when `stage` has run on all blocks.
+fn needs_all_blocks(graph: &Graph, node: NodeIndex, stage: &Stage) -> bool {
+    let complete_later = |home| match home {
+        Home::Node => stage.domain == Domain::Particles,
+        Home::Material | Home::Global => true,
+        _ => false,
+    };
+    graph.edges_directed(node, Direction::Incoming).any(|e| {
+        stage.nodes.contains(&e.source()) && e.weight().why == Why::Flow && complete_later(e.weight().label.home())
+    })
+}
+
+fn check_chunk_labels(graph: &Graph, node: NodeIndex, stage: &Stage) -> Result<(), GraphError> {
+    let escaped = graph.edges_directed(node, Direction::Incoming).find(|e| {
+        e.weight().why == Why::Flow
+            && e.weight().label.home() == Home::Chunk
+            && !stage.nodes.contains(&e.source())
+    });
+    escaped.map_or(Ok(()), |e| {
+        let (task, producer) = (graph[node].name.clone(), graph[e.source()].name.clone());
+        Err(GraphError::ChunkLabelEscapes { task, label: e.weight().label, producer })
+    })
+}
+
+fn group(graph: &Graph, stages: Vec<Stage>) -> Vec<Phase> {
+    let mut phases: Vec<Phase> = Vec::new();
+    for stage in stages {
+        let independent = |other: &Stage| {
+            other.domain == Domain::Particles
+                && other.material != stage.material
+                && !stage.nodes.iter().any(|&n| {
+                    graph.edges_directed(n, Direction::Incoming).any(|e| other.nodes.contains(&e.source()))
+                })
+        };
+        match phases.last_mut() {
+            Some(phase) if stage.domain == Domain::Particles && phase.stages.iter().all(independent) => {
+                phase.stages.push(stage);
+            }
+            _ => phases.push(Phase { stages: vec![stage] }),
+        }
+    }
+    phases
+}
+
+fn merge(touched: &mut Vec<Access>, access: Access) {
+    match touched.iter_mut().find(|a| a.label == access.label) {
+        Some(known) if !known.mode.writes() && access.mode.writes() => known.mode = Mode::Modifies,
+        Some(known) => known.ghost = known.ghost.max(access.ghost),
+        None => touched.push(access),
+    }
+}

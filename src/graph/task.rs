@@ -1,0 +1,237 @@
+//! What a task is: a declaration, an `Io` made from it, and a body that sees only the `Io`.
+use crate::data::labels::LabelId;
+use crate::data::workspace::Workspace;
+use crate::physics::shape::Origin;
+use crate::simd::{Isa, Job, Simd};
+
+/// What a task runs over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Domain {
+    /// The particles of one material, chunk by chunk.
+    Particles,
+    /// As `Particles`, in blocks where a contacting material may touch the same nodes.
+    NearParticles,
+    /// The nodes of a block, all materials that touch it together.
+    Nodes,
+    /// Once a step.
+    Once,
+}
+
+/// How a task uses a label.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Reads what the last step left (or, for shared labels, what the step began with).
+    RequiresOld,
+    /// Reads what an earlier task of this step computed or modified.
+    RequiresNew,
+    /// Reads the value as of this place in the recipe, whoever wrote it.
+    Requires,
+    /// Writes it, whatever was there.
+    Computes,
+    /// Reads and writes it.
+    Modifies,
+}
+
+impl Mode {
+    /// Whether the task sees what was there before.
+    pub fn reads(self) -> bool {
+        self != Mode::Computes
+    }
+    /// Whether the task changes it.
+    pub fn writes(self) -> bool {
+        matches!(self, Mode::Computes | Mode::Modifies)
+    }
+}
+
+/// One line of a declaration. `ghost`: layers of nodes around the block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Access {
+    /// The label.
+    pub label: LabelId,
+    /// How it is used.
+    pub mode: Mode,
+    /// Layers of nodes beyond the block's own.
+    pub ghost: u8,
+}
+
+/// Where a body runs.
+#[derive(Clone, Copy)]
+pub struct At<'a> {
+    /// The block's buffer, for stencils.
+    pub origin: Origin,
+    /// Particles in the chunk; lanes beyond them are inert.
+    pub count: usize,
+    /// The block's first node, in nodes of the level.
+    pub node: [i32; 3],
+    /// For node tasks: the materials whose nodes follow one another in each column, 64 lines each.
+    pub present: &'a [u8],
+}
+
+impl At<'_> {
+    /// The lanes of tile `tile` of the chunk that hold particles.
+    #[inline(always)]
+    pub fn lanes(&self, tile: usize) -> u8 {
+        let left = self.count.saturating_sub(8 * tile);
+        if left >= 8 { u8::MAX } else { (1 << left) - 1 }
+    }
+}
+
+/// Written by [`task!`](crate::task!), never by hand.
+pub trait Task: Send + Sync + 'static {
+    /// Name in messages and dumps.
+    const NAME: &'static str;
+    /// What it runs over.
+    const DOMAIN: Domain;
+    /// All it reads and writes.
+    const ACCESS: &'static [Access];
+    /// The views that the declaration grants.
+    type Io<'a>;
+    /// Takes the views from a workspace.
+    fn bind<'a>(space: &'a mut Workspace<'_>) -> Self::Io<'a>;
+}
+
+/// Written by hand: the physics. Mark `run` `#[inline(always)]`, so that it is compiled for `S`.
+pub trait Body: Task {
+    /// Runs the task on one chunk of particles, the nodes of one block, or once.
+    fn run<S: Simd>(&self, at: &At<'_>, io: Self::Io<'_>);
+}
+
+/// What the graph knows of a task.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Declaration {
+    /// Its name.
+    pub name: &'static str,
+    /// What it runs over.
+    pub domain: Domain,
+    /// All it reads and writes.
+    pub access: &'static [Access],
+}
+
+/// A body behind a pointer: one virtual call a chunk.
+pub trait Runnable: Send + Sync {
+    /// Its declaration.
+    fn declaration(&self) -> Declaration;
+    /// Runs it on the workspace's current chunk.
+    fn run_on(&self, isa: Isa, at: &At<'_>, space: &mut Workspace<'_>);
+}
+
+impl<T: Body> Runnable for T {
+    fn declaration(&self) -> Declaration {
+        Declaration { name: T::NAME, domain: T::DOMAIN, access: T::ACCESS }
+    }
+    fn run_on(&self, isa: Isa, at: &At<'_>, space: &mut Workspace<'_>) {
+        isa.dispatch(RunChunk { task: self, at, space });
+    }
+}
+
+struct RunChunk<'a, 'w, T> {
+    task: &'a T,
+    at: &'a At<'a>,
+    space: &'a mut Workspace<'w>,
+}
+
+impl<T: Body> Job for RunChunk<'_, '_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        self.task.run::<S>(self.at, T::bind(self.space));
+    }
+}
+
+/// Declares a task's data: makes the access list *and* the only views its body receives.
+///
+/// What is not declared does not compile:
+/// ```compile_fail,E0609
+/// use sinew::{data::labels::*, graph::task::{At, Body}, simd::Simd};
+/// struct Peek;
+/// sinew::task! { Particles task Peek {
+///     requires old { mass: Mass }
+///     computes { volume: Volume }
+/// }}
+/// impl Body for Peek {
+///     fn run<S: Simd>(&self, _at: &At<'_>, io: Io<'_>) {
+///         let v = io.velocity; // error[E0609]: no field `velocity` on type `Io<'_>`
+///     }
+/// }
+/// ```
+/// and what is only required cannot be written:
+/// ```compile_fail,E0594
+/// use sinew::{data::labels::*, graph::task::{At, Body}, simd::{Simd, Wide}};
+/// struct Peek;
+/// sinew::task! { Particles task Peek {
+///     requires old { mass: Mass }
+///     computes { volume: Volume }
+/// }}
+/// impl Body for Peek {
+///     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
+///         io.mass[0] = Wide::default(); // error[E0594]: `Read` hands out no `&mut`
+///     }
+/// }
+/// ```
+#[macro_export]
+macro_rules! task {
+    ($(#[$doc:meta])* $domain:ident task $name:ident $([$law:ident: $bound:path])? {
+        $(requires old { $($o:ident: $O:ident $(@ $old_ghost:literal)?),* $(,)? })?
+        $(requires new { $($r:ident: $R:ident $(@ $ghost:literal)?),* $(,)? })?
+        $(requires now { $($n:ident: $N:ident),* $(,)? })?
+        $(computes { $($c:ident: $C:ident $(@ $spread:literal)?),* $(,)? })?
+        $(modifies { $($m:ident: $M:ident),* $(,)? })?
+    }) => {
+        /// The views that the declaration grants, and nothing else.
+        pub struct Io<'a> {
+            $($(
+                #[allow(missing_docs)]
+                pub $o: $crate::data::view::Read<'a, <$O as $crate::data::label::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
+                pub $r: $crate::data::view::Read<'a, <$R as $crate::data::label::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
+                pub $n: $crate::data::view::Read<'a, <$N as $crate::data::label::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
+                pub $c: $crate::data::view::Write<'a, <$C as $crate::data::label::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
+                pub $m: $crate::data::view::Write<'a, <$M as $crate::data::label::Label>::Tile>,)*)?
+        }
+        impl $(<$law: $bound>)? $crate::graph::task::Task for $name $(<$law>)? {
+            const NAME: &'static str = stringify!($name);
+            const DOMAIN: $crate::graph::task::Domain = $crate::graph::task::Domain::$domain;
+            const ACCESS: &'static [$crate::graph::task::Access] = &[
+                $($($crate::task!(@ $O RequiresOld $($old_ghost)?),)*)?
+                $($($crate::task!(@ $R RequiresNew $($ghost)?),)*)?
+                $($($crate::task!(@ $N Requires),)*)?
+                $($($crate::task!(@ $C Computes $($spread)?),)*)?
+                $($($crate::task!(@ $M Modifies),)*)?
+            ];
+            type Io<'a> = Io<'a>;
+            #[inline(always)]
+            fn bind<'a>(space: &'a mut $crate::data::workspace::Workspace<'_>) -> Io<'a> {
+                use $crate::data::label::Label;
+                let window = $crate::data::workspace::Window::of(space);
+                let [$($($o,)*)? $($($r,)*)? $($($n,)*)? $($($c,)*)? $($($m,)*)?] = space.columns
+                    .get_disjoint_mut([
+                        $($($O::ID as usize,)*)? $($($R::ID as usize,)*)? $($($N::ID as usize,)*)?
+                        $($($C::ID as usize,)*)? $($($M::ID as usize,)*)?
+                    ])
+                    .expect("a declaration names each label once");
+                Io {
+                    $($($o: window.read::<$O>($o),)*)?
+                    $($($r: window.read::<$R>($r),)*)?
+                    $($($n: window.read::<$N>($n),)*)?
+                    $($($c: window.write::<$C>($c),)*)?
+                    $($($m: window.write::<$M>($m),)*)?
+                }
+            }
+        }
+    };
+    (@ $label:ident $mode:ident) => { $crate::task!(@ $label $mode 0) };
+    (@ $label:ident $mode:ident $ghost:literal) => {
+        $crate::graph::task::Access {
+            label: <$label as $crate::data::label::Label>::ID,
+            mode: $crate::graph::task::Mode::$mode,
+            ghost: $ghost,
+        }
+    };
+}

@@ -1,0 +1,88 @@
+use super::{BlockIndex, IndexBox, Level};
+
+/// A box of whole blocks: the unit of ownership.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Patch {
+    /// Position in the decomposition.
+    pub id: usize,
+    /// Position along each axis.
+    pub index: [usize; 3],
+    /// Its blocks, with those beyond the level's faces that particles at the faces reach.
+    pub blocks: IndexBox,
+}
+
+/// How a level is cut into patches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decomposition {
+    /// Patches along each axis.
+    pub counts: [usize; 3],
+    /// The patches, x-major.
+    pub patches: Vec<Patch>,
+    /// First block of each patch along each axis, and the end.
+    cuts: [Vec<i32>; 3],
+}
+
+impl Decomposition {
+    /// Cuts `level` into `counts` patches along each axis, as evenly as whole blocks allow.
+    ///
+    /// # Errors
+    /// More patches than blocks along an axis, or none; the message says how many are possible.
+    pub fn new(level: &Level, counts: [usize; 3]) -> Result<Self, String> {
+        let columns = level.block_columns();
+        for axis in 0..3 {
+            if counts[axis] == 0 || counts[axis] > columns[axis] {
+                return Err(format!(
+                    "{} patches along {} cannot be cut from {} blocks of 4 cells: choose 1 to {}",
+                    counts[axis],
+                    ["x", "y", "z"][axis],
+                    columns[axis],
+                    columns[axis]
+                ));
+            }
+        }
+        let all = level.blocks();
+        let cuts: [Vec<i32>; 3] = std::array::from_fn(|a| {
+            let mut cuts: Vec<i32> = (0..=counts[a]).map(|i| (i * columns[a] / counts[a]) as i32).collect();
+            (cuts[0], cuts[counts[a]]) = (all.lower[a], all.upper[a]);
+            cuts
+        });
+        let [nx, ny, nz] = counts;
+        let indices = (0..nx * ny * nz).map(|id| [id / (ny * nz), id / nz % ny, id % nz]);
+        let patches = indices.enumerate().map(|(id, index)| {
+            let corner = |shift: usize| std::array::from_fn(|a| cuts[a][index[a] + shift]);
+            Patch { id, index, blocks: IndexBox { lower: corner(0), upper: corner(1) } }
+        });
+        let patches = patches.collect();
+        Ok(Self { counts, patches, cuts })
+    }
+
+    /// The patch that owns `block`, if the block exists.
+    pub fn owner(&self, block: BlockIndex) -> Option<usize> {
+        let mut id = 0;
+        for axis in 0..3 {
+            let cuts = &self.cuts[axis];
+            let position = cuts.partition_point(|&cut| cut <= block[axis]);
+            if position == 0 || position == cuts.len() {
+                return None;
+            }
+            id = id * self.counts[axis] + position - 1;
+        }
+        Some(id)
+    }
+
+    /// As many patches as asked for, or the next smaller number that fits, cut where the level is longest.
+    pub fn automatic(level: &Level, wanted: usize) -> [usize; 3] {
+        let columns = level.block_columns();
+        let mut counts = [1; 3];
+        while counts.iter().product::<usize>() < wanted {
+            let length = |a: usize| columns[a] as f64 / counts[a] as f64;
+            let Some(axis) =
+                (0..3).filter(|&a| 2 * counts[a] <= columns[a]).max_by(|&a, &b| length(a).total_cmp(&length(b)))
+            else {
+                break;
+            };
+            counts[axis] *= 2;
+        }
+        counts
+    }
+}

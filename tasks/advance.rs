@@ -1,0 +1,56 @@
+use crate::data::labels::{BlockExtent, GridVelocity, Position, Time, Velocity, VelocityChange};
+use crate::graph::task::{At, Body};
+use crate::simd::Simd;
+
+/// v_p ← (1 − β)(v_p + Σ S Δv) + β Σ S v ;  x_p ← x_p + Δt Σ S v : FLIP with a fraction β of PIC.
+/// J. U. Brackbill, H. M. Ruppel, JCP 65, 1986, 314–343 (doi:10.1016/0021-9991(86)90211-1).
+pub struct Advance {
+    /// β
+    pub pic: f64,
+    /// 1/h [1/m]
+    pub inverse_cell: f64,
+    /// Half-size of a particle in cells.
+    pub half_size: [f64; 3],
+}
+
+crate::task! { Particles task Advance {
+    requires new { time: Time, grid_velocity: GridVelocity, change: VelocityChange }
+    computes { extent: BlockExtent }
+    modifies { position: Position, velocity: Velocity }
+}}
+
+impl Body for Advance {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let dt = S::splat(io.time[0].step);
+        let (flip, pic) = (S::splat(1.0 - self.pic), S::splat(self.pic));
+        let mut extent = io.extent[0].each_ref().map(S::load);
+        let grid = io.grid_velocity.iter().zip(io.change.iter());
+        for ((v_grid, dv), (x, v)) in grid.zip(io.position.iter_mut().zip(io.velocity.iter_mut())) {
+            for a in 0..3 {
+                let on_grid = S::load(&v_grid[a]);
+                let moved = dt.fma(on_grid, S::load(&x[a]));
+                moved.store(&mut x[a]);
+                let kicked = S::load(&v[a]) + S::load(&dv[a]);
+                flip.fma(kicked, pic * on_grid).store(&mut v[a]);
+                include(&mut extent, a, self.base::<S>(at, a, moved));
+            }
+        }
+        extent.iter().zip(&mut io.extent[0]).for_each(|(e, line)| e.store(line));
+    }
+}
+
+impl Advance {
+    /// The base node before rounding down.
+    #[inline(always)]
+    fn base<S: Simd>(&self, at: &At<'_>, axis: usize, x: S) -> S {
+        x.fms(S::splat(self.inverse_cell), S::splat(at.origin.lower[axis] + self.half_size[axis]))
+    }
+}
+
+/// Keeps the largest y and the largest −y on an axis.
+#[inline(always)]
+fn include<S: Simd>(extent: &mut [S; 6], axis: usize, y: S) {
+    extent[axis] = extent[axis].max(y);
+    extent[axis + 3] = extent[axis + 3].max(-y);
+}

@@ -1,0 +1,73 @@
+use super::integrate::change;
+use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
+use crate::data::nodes::NODES;
+use crate::graph::task::{At, Body};
+use crate::grid::BLOCK;
+use crate::input::scene::FaceCondition;
+use crate::physics::work::Work;
+use crate::simd::Simd;
+
+/// Conditions on the faces of the domain, on all nodes at or beyond them.
+pub struct Boundary {
+    /// On x−, x+, y−, y+, z−, z+.
+    pub faces: [FaceCondition; 6],
+    /// Cells of the level along each axis.
+    pub cells: [usize; 3],
+    /// Which materials are rigid: faces do not hold them.
+    pub rigid: Vec<bool>,
+}
+
+crate::task! { Nodes task Boundary {
+    requires new { time: Time, sums: NodeSums }
+    computes { work: BoundaryWork }
+    modifies { motion: NodeMotion }
+}}
+
+impl Boundary {
+    /// Whether a node lies at or beyond the face.
+    fn holds(&self, face: usize, node: [i32; 3]) -> bool {
+        let axis = face / 2;
+        if face % 2 == 0 { node[axis] <= 0 } else { node[axis] >= self.cells[axis] as i32 }
+    }
+
+    /// Change of velocity that the face asks for.
+    fn correction(&self, face: usize, time: f64, v: [f64; 3]) -> [f64; 3] {
+        match &self.faces[face] {
+            FaceCondition::Free => [0.0; 3],
+            FaceCondition::Fixed => v.map(|v| -v),
+            FaceCondition::Symmetric => std::array::from_fn(|a| if a == face / 2 { -v[a] } else { 0.0 }),
+            FaceCondition::Velocity(table) => {
+                let wanted = table.at(time);
+                std::array::from_fn(|a| wanted[a] - v[a])
+            }
+        }
+    }
+}
+
+impl Body for Boundary {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let last = at.node.map(|n| n + BLOCK - 1);
+        let reached = |face: &usize| {
+            self.faces[*face] != FaceCondition::Free && (self.holds(*face, at.node) || self.holds(*face, last))
+        };
+        if !(0..6).any(|face| reached(&face)) {
+            return;
+        }
+        let time = io.time[0].time + io.time[0].step;
+        let mut work = Work::default();
+        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES));
+        for ((sums, motions), _) in fields.zip(at.present).filter(|(_, m)| !self.rigid[**m as usize]) {
+            for (n, (sum, motion)) in (0..).zip(sums.iter().zip(motions)) {
+                let node = std::array::from_fn(|a| at.node[a] + (n >> (4 - 2 * a) & 3));
+                for face in (0..6).filter(|&face| self.holds(face, node)) {
+                    let v = [motion.0[0], motion.0[1], motion.0[2]];
+                    let dv = self.correction(face, time, v);
+                    work.add(sum.0[0], v, dv);
+                    change(motion, dv);
+                }
+            }
+        }
+        work.store(&mut io.work[0]);
+    }
+}

@@ -1,0 +1,180 @@
+use super::integrate::change;
+use crate::data::exact_sum::ExactSum;
+use crate::data::labels::{ContactSums, ContactWork, NodeMotion, NodeSums, RigidImpulse, RigidMotion};
+use crate::data::nodes::NODES;
+use crate::data::shared::RigidState;
+use crate::graph::task::{At, Body};
+use crate::input::scene::ContactLaw;
+use crate::physics::contact::surface::SurfaceTable;
+use crate::physics::contact::{Exchange, Pair, bonded, dot, friction};
+use crate::physics::lattice::Lattice;
+use crate::simd::{Simd, Wide};
+
+/// Contact of pairs of materials at the nodes that they share. Listed twice in the recipe: for the interpolated and
+/// for the integrated velocities.
+pub struct Contact {
+    /// The pairs, in the order of the scene: impulses are exchanged pair by pair.
+    pub pairs: Vec<ContactPair>,
+    /// Where nodes are.
+    pub lattice: Lattice,
+    /// Mass below which a node carries nothing [kg].
+    pub least_mass: f64,
+    /// Which materials are rigid.
+    pub rigid: Vec<bool>,
+    /// Where surfaces lie, for each material.
+    pub surfaces: Vec<SurfaceTable>,
+}
+
+/// Two materials that touch.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactPair {
+    /// Their indices.
+    pub between: [usize; 2],
+    /// The law.
+    pub law: ContactLaw,
+    /// Largest gap at which contact acts, in cells.
+    pub gap: f64,
+}
+
+crate::task! { Nodes task Contact {
+    requires old { bodies: RigidMotion }
+    requires new { sums: NodeSums, surfaces: ContactSums }
+    computes { impulse: RigidImpulse, work: ContactWork }
+    modifies { motion: NodeMotion }
+}}
+
+impl Body for Contact {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        if at.present.len() > 1 {
+            self.exchange_all(at, &mut io);
+        }
+    }
+}
+
+/// One material at one node.
+struct Side<'a> {
+    material: usize,
+    sums: &'a Wide,
+    surface: &'a Wide,
+    velocity: [f64; 3],
+}
+
+impl Side<'_> {
+    fn mass(&self) -> f64 {
+        self.sums.0[0]
+    }
+    /// Σ V ∇S: points out of the material.
+    fn outward(&self) -> [f64; 3] {
+        [self.surface.0[4], self.surface.0[5], self.surface.0[6]]
+    }
+    fn force(&self) -> [f64; 3] {
+        [self.sums.0[4], self.sums.0[5], self.sums.0[6]]
+    }
+    /// Distance of the center of mass before the node, along its own outward direction `n` [m].
+    fn center(&self, node: [f64; 3], n: [f64; 3]) -> f64 {
+        let m = self.mass();
+        dot(n, std::array::from_fn(|a| node[a] - self.surface.0[1 + a] / m))
+    }
+}
+
+impl Contact {
+    #[inline(never)]
+    fn exchange_all(&self, at: &At<'_>, io: &mut Io<'_>) {
+        let (mut lost_to_friction, mut lost_to_impact) = (0.0, 0.0);
+        for pair in &self.pairs {
+            let slot = |material: usize| at.present.iter().position(|&m| m as usize == material);
+            let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
+            let mut pushed = [[0.0; 7]; 2];
+            for n in 0..NODES {
+                let lines = [NODES * a + n, NODES * b + n];
+                if lines.iter().any(|&line| io.sums[line].0[0] <= self.least_mass) {
+                    continue;
+                }
+                let node = self.lattice.node(at.node, n);
+                let sides = [0, 1].map(|i| Side {
+                    material: pair.between[i],
+                    sums: &io.sums[lines[i]],
+                    surface: &io.surfaces[lines[i]],
+                    velocity: [0, 1, 2].map(|axis| io.motion[lines[i]].0[axis]),
+                });
+                let Some((exchange, masses)) = self.exchange(pair, &sides, node, &io.bodies) else { continue };
+                lost_to_friction += exchange.friction;
+                lost_to_impact += exchange.impact;
+                for (i, sign) in [(0, 1.0), (1, -1.0)] {
+                    let impulse = exchange.impulse.map(|p| sign * p);
+                    if self.rigid[pair.between[i]] {
+                        push(&mut pushed[i], impulse, node, &io.bodies[pair.between[i]], masses[1 - i]);
+                    } else {
+                        change(&mut io.motion[lines[i]], impulse.map(|p| p / masses[i]));
+                    }
+                }
+            }
+            for (i, pushed) in pushed.iter().enumerate().filter(|(i, _)| self.rigid[pair.between[*i]]) {
+                let sums: &mut [ExactSum; 7] = &mut io.impulse[pair.between[i]];
+                sums.iter_mut().zip(pushed).for_each(|(sum, &x)| sum.add(x));
+            }
+        }
+        io.work[0][0].add(lost_to_friction);
+        io.work[0][1].add(lost_to_impact);
+    }
+
+    /// What the pair exchanges at a node, and the masses that took part; `None`: the surfaces do not touch.
+    fn exchange(
+        &self,
+        pair: &ContactPair,
+        sides: &[Side<'_>; 2],
+        node: [f64; 3],
+        bodies: &[RigidState],
+    ) -> Option<(Exchange, [f64; 2])> {
+        let [a, b] = sides;
+        let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
+        let length = dot(difference, difference).sqrt();
+        if length <= 0.0 {
+            return None;
+        }
+        let normal = difference.map(|d| d / length);
+        let before = |side: &Side<'_>, n| self.surfaces[side.material].surface(side.center(node, n) / self.lattice.cell);
+        let gap = before(a, normal) + before(b, normal.map(|n| -n));
+        if gap > pair.gap {
+            return None;
+        }
+        let masses = [a.mass(), b.mass()];
+        let relative = std::array::from_fn(|i| a.velocity[i] - b.velocity[i]);
+        let reduced_mass = self.reduced_mass(sides, masses, bodies)?;
+        // the internal force of a uniformly stressed surface is −σ Σ V ∇S
+        let traction = (dot(b.force(), normal) - dot(a.force(), normal)) / length;
+        let seen = Pair { relative, reduced_mass, normal, traction };
+        let exchange = match pair.law {
+            ContactLaw::Bonded => bonded::exchange(&seen),
+            ContactLaw::Friction { coefficient, criterion } => friction::exchange(&seen, coefficient, criterion),
+        };
+        Some((exchange, masses))
+    }
+
+    /// m_a m_b / (m_a + m_b). A rigid body counts with the share of its mass that its contact at this node has in
+    /// all of its contact (as of the last step), so that many nodes together cannot push it back too far.
+    fn reduced_mass(&self, sides: &[Side<'_>; 2], masses: [f64; 2], bodies: &[RigidState]) -> Option<f64> {
+        let [a, b] = masses;
+        let against = |body: &RigidState, m: f64| {
+            if body.free > 0.0 { m * body.mass / (body.mass + body.touched.max(m)) } else { m }
+        };
+        match [0, 1].map(|i| self.rigid[sides[i].material]) {
+            [false, false] => Some(a * b / (a + b)),
+            [true, false] => Some(against(&bodies[sides[0].material], b)),
+            [false, true] => Some(against(&bodies[sides[1].material], a)),
+            [true, true] => None,
+        }
+    }
+}
+
+/// Adds an impulse at a node to what a rigid body receives: impulse, torque about its center, mass touched.
+fn push(sums: &mut [f64; 7], impulse: [f64; 3], node: [f64; 3], body: &RigidState, mass: f64) {
+    let r: [f64; 3] = std::array::from_fn(|a| node[a] - body.center[a]);
+    for a in 0..3 {
+        let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+        sums[a] += impulse[a];
+        sums[3 + a] += r[b] * impulse[c] - r[c] * impulse[b];
+    }
+    sums[6] += mass;
+}

@@ -1,0 +1,24 @@
+use super::scatter::{scatter_rows, to_rows};
+use crate::data::labels::{ContactFlow, ContactSums, ScatterRows, Weights};
+use crate::graph::task::{At, Body};
+use crate::simd::Simd;
+
+/// Adds the contact flows to the nodes.
+pub struct ContactScatter;
+
+crate::task! { NearParticles task ContactScatter {
+    requires new { weights: Weights, flow: ContactFlow }
+    computes { rows: ScatterRows, nodes: ContactSums @ 3 }
+}}
+
+impl Body for ContactScatter {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let zero = S::splat(0.0);
+        for (flow, rows) in io.flow.iter().zip(io.rows.iter_mut()) {
+            let [mx, my, mz, v] = flow.each_ref().map(S::load);
+            to_rows([zero, mx, my, mz], [v, zero, zero, v, zero, v], zero, rows);
+        }
+        scatter_rows::<S>(at, &io.weights, &io.rows, &mut io.nodes);
+    }
+}

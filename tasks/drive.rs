@@ -1,0 +1,40 @@
+use crate::data::labels::{BoundaryWork, DriveIndex, GridVelocity, Mass, Time, Velocity, VelocityChange};
+use crate::graph::task::{At, Body};
+use crate::input::scene::Table;
+use crate::physics::work::Work;
+use crate::simd::{LANES, Simd};
+
+/// Particles of a driven region move as the scene prescribes, whatever the nodes say.
+pub struct Drive {
+    /// Velocity in time of each drive.
+    pub drives: Vec<Table>,
+}
+
+crate::task! { Particles task Drive {
+    requires old { index: DriveIndex, mass: Mass, velocity: Velocity }
+    requires new { time: Time }
+    computes { work: BoundaryWork }
+    modifies { grid_velocity: GridVelocity, change: VelocityChange }
+}}
+
+impl Body for Drive {
+    #[inline(always)]
+    fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
+        let time = io.time[0].time + io.time[0].step;
+        let mut work = Work::default();
+        let grid = io.grid_velocity.iter_mut().zip(io.change.iter_mut());
+        let particles = io.index.iter().zip(io.mass.iter()).zip(io.velocity.iter());
+        for (((index, mass), v), (on_grid, dv)) in particles.zip(grid) {
+            for lane in (0..LANES).filter(|&lane| index.0[lane] > 0.0) {
+                let wanted = self.drives[index.0[lane] as usize - 1].at(time);
+                let free: [f64; 3] = std::array::from_fn(|a| v[a].0[lane] + dv[a].0[lane]);
+                work.add(mass.0[lane], free, std::array::from_fn(|a| wanted[a] - free[a]));
+                for a in 0..3 {
+                    on_grid[a].0[lane] = wanted[a];
+                    dv[a].0[lane] = wanted[a] - v[a].0[lane];
+                }
+            }
+        }
+        work.store(&mut io.work[0]);
+    }
+}

@@ -1,0 +1,58 @@
+use crate::data::labels::{
+    GatherRows, GridVelocity, NodeMotion, VelocityChange, VelocityGradient, Weights,
+};
+use crate::for_each_particle_by_class;
+use crate::graph::task::{At, Body};
+use crate::physics::shape::transfer::gather;
+use crate::physics::shape::{GROUP, NodeRows};
+use crate::simd::{Simd, Wide};
+
+/// Σ_I S_Ip v_I, Σ_I S_Ip Δv_I and L_p = Σ_I v_I ⊗ ∇S_Ip.
+pub struct Gather;
+
+crate::task! { Particles task Gather {
+    requires new { weights: Weights, nodes: NodeMotion @ 3 }
+    computes {
+        rows: GatherRows,
+        velocity: GridVelocity,
+        change: VelocityChange,
+        gradient: VelocityGradient,
+    }
+}}
+
+impl Body for Gather {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let mut results = io.velocity.iter_mut().zip(io.change.iter_mut()).zip(io.gradient.iter_mut());
+        for (group, weights) in io.weights.chunks(GROUP).enumerate() {
+            let count = at.count.saturating_sub(8 * GROUP * group).min(8 * GROUP);
+            // lanes without a particle gather nothing: they stay at rest
+            for lane in count..8 * weights.len() {
+                io.rows[lane >> 3][lane & 7] = [Wide::default(); 2];
+            }
+            for_each_particle_by_class!(weights, count, |i, X, Y, Z| gather::<S, X, Y, Z>(
+                &io.nodes,
+                &weights[i >> 3],
+                i & 7,
+                &mut io.rows[i >> 3][i & 7]
+            ));
+            for (rows, ((v, dv), l)) in io.rows[..weights.len()].iter().zip(&mut results) {
+                to_columns::<S>(rows, v, dv, l);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn to_columns<S: Simd>(rows: &NodeRows, v: &mut [Wide; 3], dv: &mut [Wide; 3], l: &mut [Wide; 9]) {
+    let first = S::transpose(rows.each_ref().map(|row| S::load(&row[0])));
+    let second = S::transpose(rows.each_ref().map(|row| S::load(&row[1])));
+    let dx = [first[3], first[7], second[3]];
+    for i in 0..3 {
+        first[i].store(&mut v[i]);
+        first[4 + i].store(&mut dv[i]);
+        dx[i].store(&mut l[3 * i]);
+        second[i].store(&mut l[3 * i + 1]);
+        second[4 + i].store(&mut l[3 * i + 2]);
+    }
+}

@@ -1,0 +1,37 @@
+use crate::data::labels::{NodeMotion, NodeSums, Time};
+use crate::graph::task::{At, Body};
+use crate::simd::{Simd, Wide};
+
+/// v_I ← v_I + Δt f_I / m_I : symplectic Euler on the nodes.
+pub struct Integrate {
+    /// Mass below which a node carries nothing [kg].
+    pub least_mass: f64,
+}
+
+crate::task! { Nodes task Integrate {
+    requires new { time: Time, sums: NodeSums }
+    modifies { motion: NodeMotion }
+}}
+
+impl Body for Integrate {
+    #[inline(always)]
+    fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
+        let dt = io.time[0].step;
+        for (sum, motion) in io.sums.iter().zip(io.motion.iter_mut()) {
+            let mass = sum.0[0];
+            if mass > self.least_mass {
+                let factor = dt / mass;
+                change(motion, std::array::from_fn(|axis| factor * sum.0[4 + axis]));
+            }
+        }
+    }
+}
+
+/// Adds `dv` to a node's velocity, and to what its particles will be told of the change.
+#[inline(always)]
+pub fn change(motion: &mut Wide, dv: [f64; 3]) {
+    for axis in 0..3 {
+        motion.0[axis] += dv[axis];
+        motion.0[4 + axis] += dv[axis];
+    }
+}

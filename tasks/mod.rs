@@ -1,0 +1,27 @@
+//! The stages of the method, one task a file, and the recipe that orders them.
+//!
+//! Tasks know labels, laws and numbers; they know no warehouse, no thread, no rank and no other task.
+#![allow(missing_docs)] // each module is documented by its task
+
+pub mod advance;
+pub mod boundary;
+pub mod contact;
+pub mod contact_flow;
+pub mod contact_scatter;
+pub mod drive;
+pub mod gather;
+pub mod integrate;
+pub mod loads;
+pub mod mass_flow;
+pub mod nodal_velocity;
+pub mod report;
+pub mod rest;
+pub mod rigid;
+pub mod scatter;
+pub mod signal_speed;
+pub mod stress;
+pub mod stress_flow;
+pub mod timestep;
+pub mod timestep_size;
+pub mod viscosity;
+pub mod weights;

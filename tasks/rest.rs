@@ -1,0 +1,20 @@
+use crate::data::labels::{Mass, VelocityGradient};
+use crate::graph::task::{At, Body};
+use crate::simd::{Simd, Wide};
+
+/// L_p = 0: before the first step, to evaluate laws in the state that the scene gave.
+pub struct Rest;
+
+crate::task! { Particles task Rest {
+    requires old { mass: Mass }
+    computes { gradient: VelocityGradient }
+}}
+
+impl Body for Rest {
+    #[inline(always)]
+    fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
+        for (_, l) in io.mass.iter().zip(io.gradient.iter_mut()) {
+            *l = [Wide::default(); 9];
+        }
+    }
+}

@@ -1,0 +1,67 @@
+use crate::data::labels::{RigidImpulse, RigidMotion as RigidMotionLabel, Time};
+use crate::data::shared::RigidState;
+use crate::graph::task::{At, Body};
+use crate::input::scene::Table;
+use crate::simd::Simd;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+/// Newton and Euler for rigid bodies: contact impulses and gravity change V and ω, then the body moves.
+pub struct RigidMotion {
+    /// For each material: the prescribed velocity in time, if it is a prescribed rigid body.
+    pub prescribed: Vec<Option<Table>>,
+    /// g [m/s²]
+    pub gravity: [f64; 3],
+}
+
+crate::task! { Once task RigidMotion {
+    requires new { time: Time, impulse: RigidImpulse }
+    modifies { bodies: RigidMotionLabel }
+}}
+
+impl Body for RigidMotion {
+    #[inline(always)]
+    fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
+        let (time, dt) = (io.time[0].time, io.time[0].step);
+        for (material, body) in io.bodies.iter_mut().enumerate().filter(|(_, b)| b.mass > 0.0) {
+            let sums = io.impulse[material].each_ref().map(|sum| sum.value());
+            // contact acts twice a step
+            body.touched = 0.5 * sums[6];
+            if let Some(table) = &self.prescribed[material] {
+                body.velocity = table.at(time + dt);
+            } else {
+                push(body, Vector3::new(sums[0], sums[1], sums[2]), Vector3::new(sums[3], sums[4], sums[5]));
+                (0..3).for_each(|a| body.velocity[a] += dt * self.gravity[a]);
+            }
+            turn(body, dt);
+            (0..3).for_each(|a| body.center[a] += dt * body.velocity[a]);
+        }
+    }
+}
+
+/// R I R⁻¹: the inertia tensor about the center in the present orientation.
+fn inertia(body: &RigidState) -> Matrix3<f64> {
+    let rotation = Matrix3::from_row_slice(&body.rotation);
+    rotation * Matrix3::from_row_slice(&body.inertia) * rotation.transpose()
+}
+
+/// V += P/M, ω += I⁻¹ L.
+fn push(body: &mut RigidState, impulse: Vector3<f64>, torque: Vector3<f64>) {
+    let turn = inertia(body).try_inverse().map_or(Vector3::zeros(), |inverse| inverse * torque);
+    for a in 0..3 {
+        body.velocity[a] += impulse[a] / body.mass;
+        body.angular[a] += turn[a];
+    }
+}
+
+/// Turns the body by ω Δt; a free body keeps its angular momentum while its inertia turns.
+fn turn(body: &mut RigidState, dt: f64) {
+    let omega = Vector3::from(body.angular);
+    let momentum = inertia(body) * omega;
+    let rotation = Rotation3::new(omega * dt).matrix() * Matrix3::from_row_slice(&body.rotation);
+    body.rotation = std::array::from_fn(|n| rotation[(n / 3, n % 3)]);
+    if body.free > 0.0
+        && let Some(inverse) = inertia(body).try_inverse()
+    {
+        body.angular = (inverse * momentum).into();
+    }
+}

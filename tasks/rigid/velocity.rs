@@ -1,0 +1,32 @@
+use crate::data::labels::{NodeMotion, RigidMotion};
+use crate::data::nodes::NODES;
+use crate::graph::task::{At, Body};
+use crate::physics::lattice::Lattice;
+use crate::simd::{Simd, Wide};
+
+/// v_I = V + ω × (x_I − X_c) on the nodes of rigid materials.
+pub struct RigidVelocity {
+    /// Where nodes are.
+    pub lattice: Lattice,
+    /// Which materials are rigid.
+    pub rigid: Vec<bool>,
+}
+
+crate::task! { Nodes task RigidVelocity {
+    requires old { bodies: RigidMotion }
+    modifies { motion: NodeMotion }
+}}
+
+impl Body for RigidVelocity {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let fields = io.motion.chunks_exact_mut(NODES).zip(at.present);
+        for (motions, &material) in fields.filter(|(_, m)| self.rigid[**m as usize]) {
+            let body = &io.bodies[material as usize];
+            for (n, motion) in motions.iter_mut().enumerate() {
+                let [x, y, z] = body.velocity_at(self.lattice.node(at.node, n));
+                *motion = Wide([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            }
+        }
+    }
+}

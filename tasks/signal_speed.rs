@@ -1,0 +1,36 @@
+use super::stress::{Who, fault};
+use crate::data::labels::{Fault, Identity, InitialVolume, Mass, Position, SignalSpeed as SignalSpeedLabel, StiffnessBound, Velocity};
+use crate::graph::task::{At, Body};
+use crate::simd::Simd;
+
+/// max_p (c + |v|), with ρ₀ c² from the law's bound: what limits the next step.
+pub struct SignalSpeed;
+
+crate::task! { Particles task SignalSpeed {
+    requires old { mass: Mass, initial_volume: InitialVolume, identity: Identity }
+    requires new { stiffness: StiffnessBound }
+    requires now { velocity: Velocity, position: Position }
+    computes { speed: SignalSpeedLabel, fault: Fault }
+}}
+
+impl Body for SignalSpeed {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let (zero, tiny) = (S::splat(0.0), S::splat(f64::MIN_POSITIVE));
+        let mut largest = S::load(&io.speed[0]);
+        let scalars = io.mass.iter().zip(io.initial_volume.iter()).zip(io.stiffness.iter());
+        for (tile, (((m, v0), stiffness), v)) in scalars.zip(io.velocity.iter()).enumerate() {
+            let c2 = S::load(stiffness) * S::load(v0) / S::load(m).max(tiny);
+            let [x, y, z] = v.each_ref().map(S::load);
+            let speed = c2.sqrt() + x.fma(x, y.fma(y, z * z)).sqrt();
+            let finite = speed.lt(S::splat(f64::INFINITY));
+            let here = at.lanes(tile);
+            largest = largest.max(S::select(finite & here, speed, zero));
+            if !finite & here != 0 {
+                let who = Who { identity: &io.identity[tile], x: &io.position[tile], time: 0.0 };
+                who.is_at_fault(!finite & here, fault::NOT_FINITE, speed, &mut io.fault[0]);
+            }
+        }
+        largest.store(&mut io.speed[0]);
+    }
+}

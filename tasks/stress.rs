@@ -1,0 +1,120 @@
+use crate::data::labels::{
+    Deformation, Fault, FirstFailure, History, Identity, InitialVolume, KirchhoffStress, Position,
+    StiffnessBound, Time, VelocityGradient, Volume,
+};
+use crate::data::reduction::earlier;
+use crate::graph::task::{At, Body};
+use crate::physics::law::{Events, Kinematics, Law, MAX_HISTORY};
+use crate::physics::tensor::{determinant, increment, multiply};
+use crate::simd::{LANES, Mask, Simd, Wide};
+
+/// F ← (1 + Δt L) F, then τ(F, history) of one law, V = J V⁰, and the bound of ρ₀ c².
+///
+/// The law is a type, chosen where the recipe is built. It may freeze a particle that carries no stress any
+/// more: that particle keeps its F.
+pub struct Stress<L>(pub L);
+
+crate::task! { Particles task Stress [L: Law] {
+    requires old { position: Position, initial_volume: InitialVolume, identity: Identity }
+    requires new { gradient: VelocityGradient }
+    requires now { time: Time }
+    computes {
+        stress: KirchhoffStress,
+        stiffness: StiffnessBound,
+        fault: Fault,
+        first: FirstFailure,
+    }
+    modifies { deformation: Deformation, history: History, volume: Volume }
+}}
+
+/// Kinds of faults, lane 1 of label `Fault`.
+pub mod fault {
+    /// J ≤ 0 or not a number.
+    pub const INVERTED: f64 = 1.0;
+    /// A velocity, stress or wave speed that is not a finite number.
+    pub const NOT_FINITE: f64 = 2.0;
+}
+
+impl<L: Law> Body for Stress<L> {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let dt = S::splat(io.time[0].step);
+        let tiles = io.gradient.iter().zip(io.deformation.iter_mut()).zip(io.stress.iter_mut());
+        let scalars = io.initial_volume.iter().zip(io.volume.iter_mut()).zip(io.stiffness.iter_mut());
+        for (tile, (((l, f), tau), ((v0, volume), stiffness))) in tiles.zip(scalars).enumerate() {
+            let old = f.each_ref().map(S::load);
+            let step = increment(&l.each_ref().map(S::load), dt);
+            let new = multiply(&step, &old);
+            let kinematics = Kinematics { f: new, j: determinant(&new), increment: step };
+            let lines = L::HISTORY.len();
+            let history = &mut io.history[tile * lines..(tile + 1) * lines];
+            let mut h = [S::splat(0.0); MAX_HISTORY];
+            h.iter_mut().zip(&*history).for_each(|(h, line)| *h = S::load(line));
+            let response = self.0.update(&kinematics, &mut h[..lines]);
+            h.iter().zip(history).for_each(|(h, line)| h.store(line));
+
+            let frozen = response.events.frozen;
+            for c in 0..9 {
+                S::select(frozen, old[c], new[c]).store(&mut f[c]);
+            }
+            // a frozen particle keeps its volume with its F
+            let j = S::select(frozen, S::load(volume), kinematics.j * S::load(v0));
+            j.store(volume);
+            response.kirchhoff.iter().zip(tau).for_each(|(t, line)| t.store(line));
+            response.modulus.store(stiffness);
+
+            let Events { matrix_failed, fiber_failed, inverted, .. } = response.events;
+            let here = at.lanes(tile);
+            if (matrix_failed | fiber_failed | inverted) & here != 0 {
+                let who = Who { identity: &io.identity[tile], x: &io.position[tile], time: io.time[0].time };
+                who.fails(matrix_failed & here, &mut io.first[0][0]);
+                who.fails(fiber_failed & here, &mut io.first[0][1]);
+                who.is_at_fault(inverted & here, fault::INVERTED, kinematics.j, &mut io.fault[0]);
+            }
+        }
+    }
+}
+
+/// Particles that something happened to: the rare branch.
+pub struct Who<'a> {
+    /// Their identities, as bits.
+    pub identity: &'a Wide,
+    /// Where they are [m].
+    pub x: &'a [Wide; 3],
+    /// When [s].
+    pub time: f64,
+}
+
+impl Who<'_> {
+    fn lanes(mask: Mask) -> impl Iterator<Item = usize> {
+        (0..LANES).filter(move |&i| mask >> i & 1 == 1)
+    }
+
+    fn identity(&self, lane: usize) -> f64 {
+        self.identity.0[lane].to_bits() as f64
+    }
+
+    #[inline(never)]
+    fn fails(&self, mask: Mask, first: &mut Wide) {
+        for lane in Self::lanes(mask) {
+            let [x, y, z] = self.x.map(|x| x.0[lane]);
+            let line = Wide([self.time, self.identity(lane), x, y, z, 0.0, 0.0, 0.0]);
+            if earlier(&line, first) {
+                *first = line;
+            }
+        }
+    }
+
+    /// Reports the particle with the smallest identity.
+    #[inline(never)]
+    pub fn is_at_fault<S: Simd>(&self, mask: Mask, kind: f64, value: S, fault: &mut Wide) {
+        let values = value.lanes();
+        for lane in Self::lanes(mask) {
+            let [x, y, z] = self.x.map(|x| x.0[lane]);
+            let line = Wide([self.identity(lane), kind, values[lane], x, y, z, 0.0, 0.0]);
+            if earlier(&line, fault) {
+                *fault = line;
+            }
+        }
+    }
+}

@@ -1,0 +1,40 @@
+use crate::data::labels::{InitialVolume, KirchhoffStress, Mass, StiffnessBound, Time, VelocityGradient, ViscousWork, Volume};
+use crate::graph::task::{At, Body};
+use crate::physics::viscosity::Viscosity as Law;
+use crate::simd::Simd;
+
+/// τ ← τ − J q 1 in compression; the work goes to heat and is counted.
+pub struct Viscosity {
+    /// The law.
+    pub law: Law,
+    /// Edge of a cell [m].
+    pub cell: f64,
+}
+
+crate::task! { Particles task Viscosity {
+    requires old { mass: Mass, initial_volume: InitialVolume }
+    requires new { time: Time, gradient: VelocityGradient, stiffness: StiffnessBound, volume: Volume }
+    modifies { stress: KirchhoffStress, work: ViscousWork }
+}}
+
+impl Body for Viscosity {
+    #[inline(always)]
+    fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
+        let (dt, cell) = (S::splat(io.time[0].step), S::splat(self.cell));
+        let tiny = S::splat(f64::MIN_POSITIVE);
+        let scalars = io.mass.iter().zip(io.initial_volume.iter()).zip(io.volume.iter());
+        let tiles = io.gradient.iter().zip(io.stiffness.iter()).zip(io.stress.iter_mut());
+        for ((((m, v0), v), ((l, stiffness), tau)), work) in scalars.zip(tiles).zip(io.work.iter_mut()) {
+            let (m, v0, v) = (S::load(m), S::load(v0), S::load(v));
+            // lanes without a particle have no volume
+            let (density, j) = (m / v.max(tiny), v / v0.max(tiny));
+            let c = (S::load(stiffness) * v0 / m.max(tiny)).sqrt();
+            let rate = S::load(&l[0]) + S::load(&l[4]) + S::load(&l[8]);
+            let pressure = j * self.law.pressure(density, c, rate, cell);
+            for component in [0, 3, 5] {
+                (S::load(&tau[component]) - pressure).store(&mut tau[component]);
+            }
+            (pressure * rate).fnma(dt, S::load(work)).store(work);
+        }
+    }
+}

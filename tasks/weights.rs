@@ -1,0 +1,26 @@
+use crate::data::labels::{Position, Weights as WeightsLabel};
+use crate::graph::task::{At, Body};
+use crate::physics::shape::ShapeFunction;
+use crate::simd::Simd;
+
+/// S_Ip and ∇S_Ip at the particles' present positions.
+pub struct Weights<F> {
+    /// The shape function.
+    pub shape: F,
+    /// 1/h [1/m]
+    pub inverse_cell: f64,
+}
+
+crate::task! { Particles task Weights [F: ShapeFunction] {
+    requires old { position: Position }
+    computes { weights: WeightsLabel }
+}}
+
+impl<F: ShapeFunction> Body for Weights<F> {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        for (x, stencil) in io.position.iter().zip(io.weights.iter_mut()) {
+            stencil.fill::<S, F>(&self.shape, x, &at.origin, self.inverse_cell);
+        }
+    }
+}
