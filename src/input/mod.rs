@@ -2,6 +2,7 @@
 mod build;
 mod check;
 mod document;
+mod documentation;
 mod error;
 mod fields;
 mod form;
@@ -13,6 +14,7 @@ mod shapes;
 pub mod units;
 mod validate;
 
+pub use documentation::documentation;
 pub use error::SceneError;
 pub use read::{read, read_text};
 pub use validate::{BYTES_PER_PARTICLE, available_memory};
