@@ -1,3 +1,20 @@
 //! Scene files: TOML as written, read into a validated [`Scene`](scene::Scene) in SI units.
+mod build;
+mod check;
+mod document;
+mod documentation;
+mod error;
+mod fields;
+mod form;
 pub mod geometry;
+pub mod lattice;
+mod read;
 pub mod scene;
+mod shapes;
+pub mod units;
+mod validate;
+
+pub use documentation::documentation;
+pub use error::SceneError;
+pub use read::{read, read_text};
+pub use validate::{BYTES_PER_PARTICLE, available_memory};

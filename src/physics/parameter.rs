@@ -27,6 +27,20 @@ pub enum Dimension {
 }
 
 impl Dimension {
+    /// All dimensions, in the order of the documentation.
+    pub const ALL: &[Dimension] = &[
+        Dimension::One,
+        Dimension::Length,
+        Dimension::Time,
+        Dimension::Velocity,
+        Dimension::Acceleration,
+        Dimension::Density,
+        Dimension::Stress,
+        Dimension::Angle,
+        Dimension::AngularVelocity,
+        Dimension::Rate,
+    ];
+
     /// The SI unit.
     pub fn si(self) -> &'static str {
         match self {

@@ -1,0 +1,286 @@
+//! From a completed document to a [`Scene`]: names become indices, tables become types.
+use super::document::Node;
+use super::error::{Fault, Outcome, suggestion};
+use super::fields::{FACES, RIGID};
+use super::geometry::dot;
+use super::scene::*;
+use super::shapes::{solid, unit_vector};
+use crate::physics::materials::LAWS;
+use crate::physics::parameter::{Kind, Values};
+
+/// The scene of a completed document, without `name`, `lines` and `resolved`.
+pub(super) fn scene(root: &Node) -> Outcome<Scene> {
+    let named = root.get("material").entries();
+    let materials = named.iter().map(|e| material(&e.key, &e.node)).collect::<Outcome<Vec<_>>>()?;
+    let load = root.get("load");
+    Ok(Scene {
+        name: String::new(),
+        title: root.get("title").word().to_owned(),
+        domain: domain(root.get("domain"))?,
+        bodies: collect(root.get("body"), |node| body(node, &materials))?,
+        contacts: contacts(root.get("contact"), &materials)?,
+        faces: FACES.map(|face| face_condition(root.get("boundary").get(face))),
+        drives: collect(root.get("drive"), |node| drive(node, &materials))?,
+        gravity: load.get("gravity").vector(),
+        damping: load.get("damping").number(),
+        run: run(root.get("run")),
+        output: output(root.get("output"), &materials)?,
+        lines: Default::default(),
+        resolved: String::new(),
+        materials,
+    })
+}
+
+fn collect<T>(list: &Node, each: impl FnMut(&Node) -> Outcome<T>) -> Outcome<Vec<T>> {
+    list.items().iter().map(each).collect()
+}
+
+fn domain(given: &Node) -> Outcome<Domain> {
+    const MOST_CELLS: f64 = (1 << 20) as f64; // along an axis; more is a wrong unit
+    let (lower, upper): ([f64; 3], [f64; 3]) = (given.get("lower").vector(), given.get("upper").vector());
+    let cell = given.get("cell").number();
+    let mut cells = [0; 3];
+    for (a, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        let exact = (upper[a] - lower[a]) / cell;
+        let whole = exact.round();
+        let place = given.get("upper").items()[a].place;
+        if exact <= 0.0 {
+            let message = format!("the domain is empty: along {axis}, `upper` is not above `lower`");
+            return Err(Fault::new(place, message).help("swap the corners or enlarge the domain"));
+        }
+        if (exact - whole).abs() > 1e-6 || whole < 1.0 {
+            let (below, above) = (exact.floor(), exact.ceil());
+            let at = |n: f64| format!("{:.6e} m ({n} cells)", lower[a] + n * cell);
+            let help = match below {
+                0.0 => format!("set `upper` along {axis} to {}", at(above)),
+                _ => format!("set `upper` along {axis} to {} or {}", at(below), at(above)),
+            };
+            let message =
+                format!("the domain must be a whole number of cells, but is {exact:.6} of them along {axis}");
+            return Err(Fault::new(place, message).help(help));
+        }
+        if whole > MOST_CELLS {
+            let message =
+                format!("the domain has {whole:e} cells along {axis}; at most {MOST_CELLS} are possible");
+            let help = "is a unit missing? A bare number is in meters";
+            return Err(Fault::new(given.get("cell").place, message).help(help));
+        }
+        cells[a] = whole as usize;
+    }
+    Ok(Domain { lower, cells, cell })
+}
+
+fn material(name: &str, given: &Node) -> Outcome<Material> {
+    let behavior = match LAWS.iter().find(|entry| entry.name == given.get("law").word()) {
+        Some(entry) => {
+            let mut values = Values::default();
+            for parameter in entry.parameters {
+                let value = given.get(parameter.key);
+                match parameter.kind {
+                    Kind::Number { .. } => drop(values.numbers.insert(parameter.key, value.number())),
+                    Kind::Choice(_) => drop(values.choices.insert(parameter.key, value.word().to_owned())),
+                    Kind::Flag(_) => drop(values.flags.insert(parameter.key, value.flag())),
+                }
+            }
+            let law = (entry.build)(&values);
+            Behavior::Deformable(law.map_err(|(key, message)| {
+                let place = given.find(key).unwrap_or(given).place;
+                Fault::new(place, format!("`material.{name}.{key}`: {message}"))
+            })?)
+        }
+        None => Behavior::Rigid(rigid_motion(name, given)?),
+    };
+    Ok(Material { name: name.to_owned(), density: given.get("density").number(), behavior })
+}
+
+fn rigid_motion(name: &str, given: &Node) -> Outcome<RigidMotion> {
+    debug_assert_eq!(given.get("law").word(), RIGID);
+    let angular_velocity = given.get("angular-velocity").vector();
+    match (given.get("motion").word(), given.find("velocity")) {
+        ("free", None) => Ok(RigidMotion::Free { angular_velocity }),
+        ("free", Some(velocity)) => {
+            let message = format!("`material.{name}.velocity` has no meaning for a free motion");
+            Err(Fault::new(velocity.place, message)
+                .help("give the velocity at the start to the body, or set `motion = \"prescribed\"`"))
+        }
+        (_, velocity) => {
+            let velocity = velocity.map_or_else(|| Table(vec![(0.0, [0.0; 3])]), table);
+            Ok(RigidMotion::Prescribed { velocity, angular_velocity })
+        }
+    }
+}
+
+/// A velocity in time, from a vector or from rows.
+fn table(given: &Node) -> Table {
+    let row = |row: &Node| {
+        let [t, x, y, z] = row.vector();
+        (t, [x, y, z])
+    };
+    match given.items().first() {
+        Some(first) if !first.items().is_empty() => Table(given.items().iter().map(row).collect()),
+        _ => Table(vec![(0.0, given.vector())]),
+    }
+}
+
+fn material_index(given: &Node, materials: &[Material]) -> Outcome<usize> {
+    let name = given.word();
+    materials.iter().position(|material| material.name == name).ok_or_else(|| {
+        Fault::new(given.place, format!("there is no material {name:?}"))
+            .help(suggestion(name, materials.iter().map(|material| material.name.as_str())))
+    })
+}
+
+fn body(given: &Node, materials: &[Material]) -> Outcome<Body> {
+    let material = material_index(given.get("material"), materials)?;
+    let velocity = given.get("velocity").vector();
+    if let Behavior::Rigid(RigidMotion::Prescribed { .. }) = materials[material].behavior
+        && velocity != [0.0; 3]
+    {
+        let name = &materials[material].name;
+        let message =
+            format!("the motion of material {name:?} is prescribed, so its bodies have no `velocity`");
+        return Err(Fault::new(given.get("velocity").place, message)
+            .help(format!("set `material.{name}.velocity`, or `motion = \"free\"` there")));
+    }
+    Ok(Body {
+        name: given.get("name").word().to_owned(),
+        material,
+        solid: solid(given.get("shape"))?,
+        particles_per_cell: given.get("particles-per-cell").counts(),
+        velocity,
+        fibers: fibers(given.get("fibers"))?,
+    })
+}
+
+fn fibers(given: &Node) -> Outcome<FiberField> {
+    let Some(("turning", turning)) = given.case() else {
+        return unit_vector(given.get("uniform")).map(FiberField::Uniform);
+    };
+    let (start, axis) = (unit_vector(turning.get("start"))?, unit_vector(turning.get("axis"))?);
+    if dot(start, axis).abs() > 1e-9 {
+        let degrees = dot(start, axis).clamp(-1.0, 1.0).acos().to_degrees();
+        let message = format!(
+            "`start` must be perpendicular to `axis`, but there are {degrees:.3} degrees between them"
+        );
+        return Err(Fault::new(turning.get("start").place, message));
+    }
+    let [from, to, angle] = ["from", "to", "angle"].map(|key| turning.get(key).number());
+    if from == to {
+        let message = format!("the fibers turn between two planes, but `from` and `to` are both {from} m");
+        return Err(Fault::new(turning.get("to").place, message));
+    }
+    Ok(FiberField::Turning { start, axis, from, to, angle })
+}
+
+fn contacts(given: &Node, materials: &[Material]) -> Outcome<Vec<Contact>> {
+    let mut contacts: Vec<Contact> = Vec::new();
+    for node in given.items() {
+        let contact = contact(node, materials)?;
+        if contacts.iter().any(|other| other.between == contact.between) {
+            let [a, b] = contact.between.map(|index| &materials[index].name);
+            let message = format!("the contact between {a:?} and {b:?} is described twice");
+            return Err(Fault::new(node.get("between").place, message).help("remove one of the two"));
+        }
+        contacts.push(contact);
+    }
+    Ok(contacts)
+}
+
+fn contact(given: &Node, materials: &[Material]) -> Outcome<Contact> {
+    let between = given.get("between");
+    let mut pair = [0; 2];
+    for (index, name) in pair.iter_mut().zip(between.items()) {
+        *index = material_index(name, materials)?;
+    }
+    if pair[0] == pair[1] {
+        let name = &materials[pair[0]].name;
+        let message = format!("material {name:?} cannot be in contact with itself");
+        let help = "bodies of one material share a velocity field: make a second material of the same law";
+        return Err(Fault::new(between.place, message).help(help));
+    }
+    pair.sort_unstable();
+    let law = match given.find("friction") {
+        None => ContactLaw::Bonded,
+        Some(friction) => ContactLaw::Friction {
+            coefficient: friction.number(),
+            criterion: match given.get("criterion").word() {
+                "approach" => Criterion::Approach,
+                "approach-or-compression" => Criterion::ApproachOrCompression,
+                _ => Criterion::ApproachAndCompression,
+            },
+        },
+    };
+    Ok(Contact { between: pair, law, gap: given.get("gap").number() })
+}
+
+fn face_condition(given: &Node) -> FaceCondition {
+    match (given.case(), given.word()) {
+        (Some((_, velocity)), _) => FaceCondition::Velocity(table(velocity)),
+        (None, "fixed") => FaceCondition::Fixed,
+        (None, "symmetric") => FaceCondition::Symmetric,
+        (None, _) => FaceCondition::Free,
+    }
+}
+
+fn drive(given: &Node, materials: &[Material]) -> Outcome<Drive> {
+    Ok(Drive {
+        material: material_index(given.get("material"), materials)?,
+        region: solid(given.get("region"))?,
+        velocity: table(given.get("velocity")),
+    })
+}
+
+fn run(given: &Node) -> Run {
+    let viscosity = |given: &Node| Viscosity {
+        linear: given.get("linear").number(),
+        quadratic: given.get("quadratic").number(),
+    };
+    Run {
+        until: given.get("until").number(),
+        steps: given.find("steps").map(Node::count),
+        cfl: given.get("cfl").number(),
+        smallest_step: given.get("smallest-step").number(),
+        shape: match given.get("shape").word() {
+            "linear" => ShapeFunction::Linear,
+            _ => ShapeFunction::Gimp,
+        },
+        pic: given.get("pic").number(),
+        viscosity: given.find("viscosity").map(viscosity),
+        leaving: match given.get("leaving").word() {
+            "delete" => Leaving::Delete,
+            _ => Leaving::Error,
+        },
+        patches: given.find("patches").map(Node::counts),
+        threads: given.find("threads").map(Node::count),
+    }
+}
+
+fn output(given: &Node, materials: &[Material]) -> Outcome<Output> {
+    Ok(Output {
+        frames: given.get("frames").count(),
+        history_every: given.get("history-every").count(),
+        wound: given.find("wound").map(|given| wound(given, materials)).transpose()?,
+    })
+}
+
+fn wound(given: &Node, materials: &[Material]) -> Outcome<Wound> {
+    let axis = given.get("axis").word();
+    let direction = if axis.starts_with('-') { -1.0 } else { 1.0 };
+    let surfaces = ["entry", "exit"].map(|key| given.get(key).number());
+    if direction * (surfaces[1] - surfaces[0]) <= 0.0 {
+        let [entry, exit] = surfaces;
+        let message =
+            format!("a shot along {axis} does not pass from the entry at {entry} m to the exit at {exit} m");
+        return Err(
+            Fault::new(given.get("exit").place, message).help("swap `entry` and `exit`, or turn `axis`")
+        );
+    }
+    let [target, projectile] = ["target", "projectile"].map(|key| material_index(given.get(key), materials));
+    let (target, projectile) = (target?, projectile?);
+    if target == projectile {
+        let message = "the target and the projectile are the same material";
+        return Err(Fault::new(given.get("projectile").place, message));
+    }
+    let axis = ["x", "y", "z"].iter().position(|name| axis.ends_with(name)).unwrap_or_default();
+    Ok(Wound { target, projectile, axis, direction, surfaces, center: given.get("center").vector() })
+}

@@ -1,0 +1,261 @@
+//! Completes a document by its description: every value checked and turned into SI, every default filled in, nothing
+//! left that is not described. What comes out is read without further questions about its form.
+use super::document::{Data, Entry, Node, Place, dotted};
+use super::error::{Fault, Outcome, listing, suggestion};
+use super::form::{Absent, Counts, Field, Form, Range};
+use super::units;
+use crate::physics::parameter::Dimension;
+
+/// The document as `form` wants it.
+pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
+    let data = match (form, &node.data) {
+        (Form::Number(range), _) => Data::Number(number(node, range, path)?),
+        (Form::Count(range), Data::Integer(n)) => Data::Integer(count(*n, *range, node.place, path)?),
+        (Form::Counts(range), Data::Integer(_)) => {
+            let one = complete(node, &Form::Count(*range), path)?;
+            Data::List(vec![one.clone(), one.clone(), one])
+        }
+        (Form::Counts(range), Data::List(items)) if items.len() == 3 => {
+            list(items, &Form::Count(*range), path)?
+        }
+        (Form::Choice(words), Data::Text(text)) => Data::Text(choice(text, words, node.place, path)?),
+        (Form::Flag, Data::Flag(flag)) => Data::Flag(*flag),
+        (Form::Text | Form::Material, Data::Text(text)) => Data::Text(text.clone()),
+        (Form::Pair, Data::List(items)) if items.len() == 2 => list(items, &Form::Material, path)?,
+        (Form::Vector(dimension, length), Data::List(items)) if items.len() == *length => {
+            list(items, &super::form::any(*dimension), path)?
+        }
+        (Form::Motion, Data::List(items)) => motion(items, node.place, path)?,
+        (Form::Table(fields), Data::Table(entries)) => table(entries, fields, node.place, path)?,
+        (Form::List(form), Data::List(items)) => list(items, form, path)?,
+        (Form::Named(form), Data::Table(entries)) => Data::Table(
+            entries
+                .iter()
+                .map(|entry| {
+                    Ok(Entry {
+                        node: complete(&entry.node, form, &dotted(path, &entry.key))?,
+                        ..entry.clone()
+                    })
+                })
+                .collect::<Outcome<_>>()?,
+        ),
+        (Form::Either { words, .. }, Data::Text(text)) if !words.is_empty() => {
+            Data::Text(choice(text, words, node.place, path)?)
+        }
+        (Form::Either { cases, .. }, Data::Table(entries)) => either(entries, cases, node.place, path)?,
+        (Form::Tagged { tag, common, cases }, Data::Table(entries)) => {
+            let cases = cases();
+            let known: Vec<_> = cases.iter().map(|case| case.word).collect();
+            let given = entries.iter().find(|entry| entry.key == *tag);
+            let word = match given.map(|entry| &entry.node) {
+                Some(Node { data: Data::Text(word), place, .. }) => {
+                    choice(word, &known, *place, &dotted(path, tag))?
+                }
+                Some(other) => return Err(wrong_type(other, &Form::Text, &dotted(path, tag))),
+                None => {
+                    return Err(missing(tag, path, node.place).help(format!("one of {}", listing(&known))));
+                }
+            };
+            let extra = cases.into_iter().find(|case| case.word == word).map(|case| case.fields);
+            let fields: Vec<_> = common.iter().copied().chain(extra.unwrap_or_default()).collect();
+            table(entries, &fields, node.place, path)?
+        }
+        (Form::Other(form), _) => return complete(node, form, path),
+        _ => return Err(wrong_type(node, form, path)),
+    };
+    Ok(Node { data, ..*node })
+}
+
+fn wrong_type(node: &Node, form: &Form, path: &str) -> Fault {
+    let found = match &node.data {
+        Data::List(items) => format!("an array of {}", items.len()),
+        other => other.kind().to_owned(),
+    };
+    let fault = Fault::new(node.place, format!("`{path}` must be {}, not {found}", form.name()));
+    match form {
+        Form::Either { words, cases } => {
+            let keys: Vec<_> = cases.iter().map(|case| format!("{{ {} = ... }}", case.key)).collect();
+            let words: Vec<_> = words.iter().map(|word| format!("{word:?}")).chain(keys).collect();
+            fault.help(format!("one of {}", listing(&words)))
+        }
+        Form::Vector(dimension, _) if *dimension != Dimension::One => fault.help(format!(
+            "each in {} or a string with a unit, such as \"1 {}\"",
+            dimension.si(),
+            dimension.si()
+        )),
+        _ => fault,
+    }
+}
+
+fn missing(key: &str, path: &str, place: Place) -> Fault {
+    Fault::new(place, format!("`{}` is missing", dotted(path, key))).label("in this table")
+}
+
+fn number(node: &Node, range: &Range, path: &str) -> Outcome<f64> {
+    let dimension = range.dimension;
+    let value = match &node.data {
+        Data::Number(x) => *x,
+        Data::Integer(n) => *n as f64,
+        Data::Text(text) => units::parse(text, dimension).map_err(|what| {
+            let accepted = units::accepted(dimension);
+            let help = format!("units: {accepted}; a bare number without quotes is in {}", dimension.si());
+            Fault::new(node.place, format!("`{path}` {what}")).help(help)
+        })?,
+        _ => return Err(wrong_type(node, &Form::Number(*range), path)),
+    };
+    // A default may be infinite (no limit); what a scene gives may only repeat it.
+    let fits = if node.given { value.is_finite() || value == range.most } else { !value.is_nan() };
+    if fits && range.contains(value) {
+        return Ok(value);
+    }
+    let wanted = range.words().unwrap_or_else(|| "a finite number".into());
+    Err(Fault::new(node.place, format!("`{path}` is {value}, but must be {wanted}")).label("out of range"))
+}
+
+fn count(n: i64, range: Counts, place: Place, path: &str) -> Outcome<i64> {
+    if (range.least..=range.most).contains(&n) {
+        return Ok(n);
+    }
+    Err(Fault::new(place, format!("`{path}` is {n}, but must be {}", range.words())).label("out of range"))
+}
+
+fn choice(text: &str, words: &[&str], place: Place, path: &str) -> Outcome<String> {
+    if words.contains(&text) {
+        return Ok(text.to_owned());
+    }
+    let fault = Fault::new(place, format!("`{path}` cannot be {text:?}"));
+    Err(fault.help(suggestion(text, words.iter().copied())))
+}
+
+fn list(items: &[Node], form: &Form, path: &str) -> Outcome<Data> {
+    let item = |(i, item): (usize, &Node)| complete(item, form, &dotted(path, &i.to_string()));
+    Ok(Data::List(items.iter().enumerate().map(item).collect::<Outcome<_>>()?))
+}
+
+/// A vector, or rows with ascending times.
+fn motion(items: &[Node], place: Place, path: &str) -> Outcome<Data> {
+    let velocity = Form::Vector(Dimension::Velocity, 3);
+    if !items.iter().any(|item| matches!(item.data, Data::List(_))) {
+        return complete(&Node { data: Data::List(items.to_vec()), place, given: true }, &velocity, path)
+            .map(|node| node.data);
+    }
+    let mut rows = Vec::new();
+    let mut last = f64::NEG_INFINITY;
+    for (i, row) in items.iter().enumerate() {
+        let path = dotted(path, &i.to_string());
+        let [time, vector @ ..] = row.items() else { return Err(wrong_type(row, &Form::Motion, &path)) };
+        if vector.len() != 3 {
+            let message = format!("`{path}` must be a row [time, x, y, z], not {} values", vector.len() + 1);
+            return Err(Fault::new(row.place, message));
+        }
+        let time = complete(time, &super::form::any(Dimension::Time), &path)?;
+        if time.number() <= last {
+            let message = format!("times must ascend, but `{path}` has {} s after {last} s", time.number());
+            return Err(Fault::new(row.place, message).help("sort the rows; to jump, use two close times"));
+        }
+        last = time.number();
+        let vector = Node { data: Data::List(vector.to_vec()), ..*row };
+        let vector = complete(&vector, &velocity, &path)?;
+        let values = std::iter::once(time).chain(vector.items().to_vec()).collect();
+        rows.push(Node { data: Data::List(values), ..*row });
+    }
+    Ok(Data::List(rows))
+}
+
+/// A table with these fields: unknown keys first, because a misspelt key is also a missing one.
+fn table(entries: &[Entry], fields: &[Field], place: Place, path: &str) -> Outcome<Data> {
+    for entry in entries {
+        if !fields.iter().any(|field| field.key == entry.key) {
+            let fault = Fault::new(entry.place, format!("unknown key `{}`", dotted(path, &entry.key)));
+            return Err(fault.help(suggestion(&entry.key, fields.iter().map(|field| field.key))));
+        }
+    }
+    let mut complete_entries = Vec::new();
+    for field in fields {
+        let path_of = dotted(path, field.key);
+        let given = entries.iter().find(|entry| entry.key == field.key);
+        let default = || {
+            Some(Entry { key: field.key.into(), place, node: default(&field.absent, &field.form, place)? })
+        };
+        match given.cloned().or_else(default) {
+            Some(entry) => {
+                let node = complete(&entry.node, &field.form, &path_of)?;
+                complete_entries.push(Entry { node, ..entry });
+            }
+            None if matches!(field.absent, Absent::Refused) => {
+                return Err(missing(field.key, path, place).help(format!("{}: {}", field.key, field.meaning)));
+            }
+            None => {}
+        }
+    }
+    Ok(Data::Table(complete_entries))
+}
+
+fn either(entries: &[Entry], cases: &[Field], place: Place, path: &str) -> Outcome<Data> {
+    let keys = || cases.iter().map(|case| case.key);
+    if let Some(entry) = entries.iter().find(|entry| !keys().any(|key| key == entry.key)) {
+        let fault = Fault::new(entry.place, format!("unknown key `{}`", dotted(path, &entry.key)));
+        return Err(fault.help(suggestion(&entry.key, keys())));
+    }
+    match entries {
+        [only] => {
+            let only = std::slice::from_ref(only);
+            let fields: Vec<_> = cases.iter().filter(|case| case.key == only[0].key).copied().collect();
+            table(only, &fields, place, path)
+        }
+        _ => Err(Fault::new(place, format!("`{path}` must have exactly one key, not {}", entries.len()))
+            .help(format!("one of {}", listing(&keys().collect::<Vec<_>>())))),
+    }
+}
+
+fn default(absent: &Absent, form: &Form, place: Place) -> Option<Node> {
+    let node = |data| Node { data, place, given: false };
+    let vector = |v: &[f64; 3]| node(Data::List(v.map(|x| node(Data::Number(x))).to_vec()));
+    Some(match absent {
+        Absent::Refused | Absent::Nothing => return None,
+        Absent::Empty if matches!(form, Form::List(_)) => node(Data::List(vec![])),
+        Absent::Empty => node(Data::Table(vec![])),
+        Absent::Number(x) => node(Data::Number(*x)),
+        Absent::Count(n) => node(Data::Integer(*n)),
+        Absent::Three(n) => node(Data::List([*n; 3].map(|n| node(Data::Integer(n))).to_vec())),
+        Absent::Vector(v) => vector(v),
+        Absent::Word(word) => node(Data::Text((*word).into())),
+        Absent::Flag(flag) => node(Data::Flag(*flag)),
+        Absent::Case(key, v) => node(Data::Table(vec![Entry { key: (*key).into(), place, node: vector(v) }])),
+    })
+}
+
+/// Reading completed values. Another form than the described one is an error in the reader, not in the scene.
+impl Node {
+    /// The value of a key that is required or has a default.
+    pub fn get(&self, key: &str) -> &Node {
+        self.find(key).unwrap_or_else(|| unreachable!("`{key}` is not in the description of its table"))
+    }
+    /// The only entry of a table with one case.
+    pub fn case(&self) -> Option<(&str, &Node)> {
+        self.entries().first().map(|entry| (entry.key.as_str(), &entry.node))
+    }
+    /// A number in SI.
+    pub fn number(&self) -> f64 {
+        if let Data::Number(x) = self.data { x } else { unreachable!("no number: {:?}", self.data) }
+    }
+    /// An integer that is not negative.
+    pub fn count<N: TryFrom<i64>>(&self) -> N {
+        match self.data {
+            Data::Integer(n) => N::try_from(n).unwrap_or_else(|_| unreachable!("{n} is out of its range")),
+            _ => unreachable!("no integer: {:?}", self.data),
+        }
+    }
+    /// true or false.
+    pub fn flag(&self) -> bool {
+        matches!(self.data, Data::Flag(true))
+    }
+    /// Numbers in SI.
+    pub fn vector<const N: usize>(&self) -> [f64; N] {
+        std::array::from_fn(|i| self.items()[i].number())
+    }
+    /// Three counts.
+    pub fn counts(&self) -> [usize; 3] {
+        std::array::from_fn(|i| self.items()[i].count())
+    }
+}

@@ -1,0 +1,171 @@
+//! `docs/SCENE.md`, written from the same descriptions that scenes are checked by.
+use super::fields::SCENE;
+use super::form::{Absent, Field, Form};
+use super::shapes::SHAPE;
+use super::units;
+use crate::physics::parameter::Dimension;
+use std::fmt::Write;
+
+const INTRODUCTION: &str = "\
+# Scene files
+
+A scene is a folder with a `scene.toml`, or a TOML file. This page is generated (`sinew scene-docs`) from the \
+descriptions by which scenes are read; what is not on it is an error in a scene.
+
+- A number with a dimension is a string with a unit, `\"0.5 mm\"`, or a bare number in SI. A string without a unit is an error.
+- Every item of a vector can have its own unit: `[\"50 mm\", 0.01, \"1 cm\"]`.
+- `--set KEY=VALUE` changes any field from the command line, before anything is checked: `--set run.cfl=0.2`, \
+`--set contact.0.friction=0.1`, `--set body.bullet.velocity.1='-150 m/s'`. Items of arrays have an index, or the `name` they \
+give themselves. Without a value the key is removed.
+- A *motion* is a velocity `[x, y, z]`, or rows `[[time, x, y, z], ...]` with ascending times: linear between the rows, \
+constant before and after them.
+
+";
+
+const EXAMPLE: &str = include_str!("../../problems/two-spheres/scene.toml");
+
+/// The page on scene files, as Markdown: every field with its meaning, unit, range and default, and an example.
+pub fn documentation() -> String {
+    let mut page = Page(INTRODUCTION.to_owned());
+    page.units();
+    page.fields(SCENE);
+    for field in SCENE {
+        let heading = match field.form {
+            Form::Table(_) => format!("[{}]", field.key),
+            Form::Named(_) => format!("[{}.NAME]", field.key),
+            Form::List(_) => format!("[[{}]]", field.key),
+            _ => continue,
+        };
+        page.section(2, &heading, field.meaning, &field.form);
+    }
+    page.section(2, "shape", "A shape is a table with exactly one of these keys.", &SHAPE);
+    page.line("## An example\n");
+    page.line(&format!("```toml\n{EXAMPLE}```"));
+    page.0
+}
+
+struct Page(String);
+
+impl Page {
+    fn line(&mut self, text: &str) {
+        self.0.push_str(text);
+        self.0.push('\n');
+    }
+
+    fn row(&mut self, cells: &[&str]) {
+        let cells: Vec<_> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        self.line(&format!("| {} |", cells.join(" | ")));
+    }
+
+    fn units(&mut self) {
+        self.line("## Units\n");
+        self.row(&["Quantity", "Units, SI first"]);
+        self.row(&["---", "---"]);
+        for dimension in Dimension::ALL {
+            self.row(&[units::name(*dimension), &units::accepted(*dimension)]);
+        }
+        self.line("\n## The tables of a scene\n");
+    }
+
+    /// A heading, what it is about, its fields, and sections for the fields that have fields themselves.
+    fn section(&mut self, depth: usize, name: &str, meaning: &str, form: &Form) {
+        let level = "#".repeat(depth);
+        self.line(&format!("{level} `{name}`\n\n{meaning}\n"));
+        let form = if let Form::List(each) | Form::Named(each) = form { each } else { form };
+        match form {
+            Form::Table(fields) | Form::Either { cases: fields, .. } => {
+                self.fields(fields);
+                self.nested(depth, name, fields);
+            }
+            Form::Tagged { tag, common, cases } => {
+                self.fields(common);
+                for case in cases() {
+                    let level = "#".repeat(depth + 1);
+                    self.line(&format!(
+                        "{level} `{name}` with `{tag} = \"{}\"`\n\n{}\n",
+                        case.word, case.summary
+                    ));
+                    self.fields(&case.fields);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn nested(&mut self, depth: usize, parent: &str, fields: &[Field]) {
+        for field in fields.iter().filter(|field| has_section(&field.form)) {
+            let name = format!("{} in {parent}", field.key).replace(['[', ']'], "");
+            self.section(depth + 1, &name, field.meaning, &field.form);
+        }
+    }
+
+    fn fields(&mut self, fields: &[Field]) {
+        if fields.is_empty() {
+            return;
+        }
+        self.row(&["Key", "Meaning", "Accepts", "Default"]);
+        self.row(&["---", "---", "---", "---"]);
+        for field in fields {
+            self.row(&[&format!("`{}`", field.key), field.meaning, &accepts(&field.form), &default(field)]);
+        }
+        self.line("");
+    }
+}
+
+fn has_section(form: &Form) -> bool {
+    match form {
+        Form::Table(_) | Form::Tagged { .. } => true,
+        Form::Either { cases, .. } => cases.iter().any(|case| has_section(&case.form)),
+        _ => false,
+    }
+}
+
+fn accepts(form: &Form) -> String {
+    let quoted = |words: &[&str]| words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>();
+    match form {
+        Form::Number(range) => {
+            let mut text = with_unit(units::name(range.dimension), range.dimension);
+            if let Some(words) = range.words() {
+                let _ = write!(text, ", {words}");
+            }
+            text
+        }
+        Form::Count(counts) => format!("an integer, {}", counts.words()),
+        Form::Counts(counts) => format!("an integer or three, each {}", counts.words()),
+        Form::Choice(words) => quoted(words).join(", "),
+        Form::Vector(dimension, length) => with_unit(&format!("{length} numbers"), *dimension),
+        Form::Motion => "a motion [m/s]".into(),
+        Form::List(form) if std::ptr::eq(*form, &SHAPE) => "shapes".into(),
+        Form::List(_) => "tables".into(),
+        Form::Named(_) => "named tables".into(),
+        Form::Either { words, cases } => {
+            let cases = cases.iter().map(|case| format!("`{{ {} = ... }}`", case.key));
+            quoted(words).into_iter().chain(cases).collect::<Vec<_>>().join(", ")
+        }
+        Form::Other(form) if std::ptr::eq(*form, &SHAPE) => "a [shape](#shape)".into(),
+        Form::Other(form) => accepts(form),
+        other => other.name(),
+    }
+}
+
+fn with_unit(name: &str, dimension: Dimension) -> String {
+    match dimension {
+        Dimension::One => name.to_owned(),
+        _ => format!("{name} [{}]", dimension.si()),
+    }
+}
+
+fn default(field: &Field) -> String {
+    let item = |x: f64| if x.is_infinite() { "unlimited".into() } else { format!("`{x:?}`") };
+    match field.absent {
+        Absent::Refused => "required".into(),
+        Absent::Nothing => "absent".into(),
+        Absent::Empty => "its defaults".into(),
+        Absent::Number(x) => item(x),
+        Absent::Count(n) | Absent::Three(n) => format!("`{n}`"),
+        Absent::Vector(v) => format!("`{v:?}`"),
+        Absent::Word(word) => format!("`\"{word}\"`"),
+        Absent::Flag(flag) => format!("`{flag}`"),
+        Absent::Case(key, v) => format!("`{{ {key} = {v:?} }}`"),
+    }
+}

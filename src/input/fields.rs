@@ -1,0 +1,322 @@
+//! Every field of a scene. Checks, defaults and `docs/SCENE.md` come from here.
+use super::form::{Absent, Case, Counts, Field, Form, Range, any, count_from, not_negative, positive};
+use super::shapes::SHAPE;
+use crate::physics::materials::LAWS;
+use crate::physics::parameter::Dimension::{
+    Acceleration, Angle, AngularVelocity, Density, Length, One, Rate, Time, Velocity,
+};
+
+const ZERO: Absent = Absent::Vector([0.0; 3]);
+const POINT: Form = Form::Vector(Length, 3);
+const DIRECTION: Form = Form::Vector(One, 3);
+const COUNTS: Form = Form::Counts(Counts { least: 1, most: 1 << 20 });
+
+/// The whole scene.
+pub(super) static SCENE: &[Field] = &[
+    Field::with_default("title", Form::Text, Absent::Word(""), "One line for people."),
+    Field::required("domain", Form::Table(DOMAIN), "Where: a box of cubic cells."),
+    Field::required(
+        "material",
+        Form::Named(&MATERIAL),
+        "What things are made of. Each material has a name of its \
+        choice and a velocity field of its own.",
+    ),
+    Field::required("body", Form::List(&Form::Table(BODY)), "Pieces of matter, filled with particles."),
+    Field::with_default(
+        "contact",
+        Form::List(&CONTACT),
+        Absent::Empty,
+        "Which materials touch, and how. Materials \
+        of pairs that are not listed pass through each other.",
+    ),
+    Field::with_default(
+        "boundary",
+        Form::Table(BOUNDARY),
+        Absent::Empty,
+        "What holds on the faces of the domain.",
+    ),
+    Field::with_default(
+        "drive",
+        Form::List(&Form::Table(DRIVE)),
+        Absent::Empty,
+        "Regions of particles whose \
+        velocity is prescribed.",
+    ),
+    Field::with_default("load", Form::Table(LOAD), Absent::Empty, "What acts on all matter."),
+    Field::required("run", Form::Table(RUN), "Numerics."),
+    Field::with_default("output", Form::Table(OUTPUT), Absent::Empty, "What to write."),
+];
+
+static DOMAIN: &[Field] = &[
+    Field::required("lower", POINT, "Lower corner."),
+    Field::required("upper", POINT, "Upper corner: a whole number of cells above the lower one."),
+    Field::required("cell", positive(Length), "Edge of a cell."),
+];
+
+static MATERIAL: Form = Form::Tagged {
+    tag: "law",
+    common: &[
+        Field::required("law", Form::Text, "How it deforms: a constitutive law, or \"rigid\"."),
+        Field::required("density", positive(Density), "Density of the undeformed material."),
+    ],
+    cases: laws,
+};
+
+/// The word of materials that do not deform.
+pub(super) const RIGID: &str = "rigid";
+
+static RIGID_FIELDS: &[Field] = &[
+    Field::required(
+        "motion",
+        Form::Choice(&["free", "prescribed"]),
+        "\"free\": contact and gravity move it, from the \
+        `velocity` of its bodies; \"prescribed\": it moves as `velocity` says.",
+    ),
+    Field::optional(
+        "velocity",
+        Form::Motion,
+        "Velocity of the center of mass in time (prescribed motion only; \
+        absent: at rest).",
+    ),
+    Field::with_default(
+        "angular-velocity",
+        Form::Vector(AngularVelocity, 3),
+        ZERO,
+        "Angular velocity about the \
+        center of mass: at the start (free) or always (prescribed).",
+    ),
+];
+
+fn laws() -> Vec<Case> {
+    let law = |entry: &crate::physics::materials::Entry| Case {
+        word: entry.name,
+        summary: entry.summary,
+        fields: entry.parameters.iter().map(Field::from).collect(),
+    };
+    let rigid = Case {
+        word: RIGID,
+        summary: "Does not deform. All bodies of the material form one rigid body.",
+        fields: RIGID_FIELDS.to_vec(),
+    };
+    LAWS.iter().map(law).chain([rigid]).collect()
+}
+
+static BODY: &[Field] = &[
+    Field::required("name", Form::Text, "Name in messages; no two bodies share one."),
+    Field::required("material", Form::Material, "What it is made of."),
+    Field::required("shape", Form::Other(&SHAPE), "Its shape. Bodies may not overlap nor leave the domain."),
+    Field::with_default(
+        "particles-per-cell",
+        Form::Counts(Counts { least: 1, most: 8 }),
+        Absent::Three(2),
+        "Particles along each axis of a cell.",
+    ),
+    Field::with_default("velocity", Form::Vector(Velocity, 3), ZERO, "Velocity at the start."),
+    Field::with_default(
+        "fibers",
+        FIBERS,
+        Absent::Case("uniform", [1.0, 0.0, 0.0]),
+        "Direction of the fibers at the \
+        start, for laws that have fibers.",
+    ),
+];
+
+const FIBERS: Form = Form::Either {
+    words: &[],
+    cases: &[
+        Field::optional("uniform", DIRECTION, "The same direction everywhere."),
+        Field::optional(
+            "turning",
+            Form::Table(&[
+                Field::required(
+                    "start",
+                    DIRECTION,
+                    "Direction at the plane `from`, perpendicular to `axis`.",
+                ),
+                Field::required("axis", DIRECTION, "Normal of the planes, about which the fibers turn."),
+                Field::required(
+                    "from",
+                    any(Length),
+                    "Where the turn starts: the plane where axis · x is this.",
+                ),
+                Field::required("to", any(Length), "Where the turn ends."),
+                Field::required(
+                    "angle",
+                    any(Angle),
+                    "Angle between the two planes, right-handed about the axis, linear in \
+                between and beyond.",
+                ),
+            ]),
+            "A direction that turns through the thickness.",
+        ),
+    ],
+};
+
+static CONTACT: Form = Form::Tagged {
+    tag: "law",
+    common: &[
+        Field::required("between", Form::Pair, "The two materials."),
+        Field::required("law", Form::Text, "\"friction\" or \"bonded\"."),
+        Field::with_default(
+            "gap",
+            not_negative(One),
+            Absent::Number(0.0),
+            "Contact acts only while the gap between \
+            the surfaces is below this many cells.",
+        ),
+    ],
+    cases: contact_laws,
+};
+
+static FRICTION_FIELDS: &[Field] = &[
+    Field::required("friction", not_negative(One), "Coefficient of friction."),
+    Field::with_default(
+        "criterion",
+        Form::Choice(&["approach", "approach-or-compression", "approach-and-compression"]),
+        Absent::Word("approach"),
+        "When contact acts: while the surfaces approach, while they approach or the normal traction is compressive, or \
+        while both hold.",
+    ),
+];
+
+fn contact_laws() -> Vec<Case> {
+    vec![
+        Case {
+            word: "friction",
+            summary: "Coulomb friction with free separation.",
+            fields: FRICTION_FIELDS.to_vec(),
+        },
+        Case { word: "bonded", summary: "One velocity for both materials.", fields: vec![] },
+    ]
+}
+
+/// Keys of the faces in the order of `Scene::faces`.
+pub(super) const FACES: [&str; 6] = ["x-min", "x-max", "y-min", "y-max", "z-min", "z-max"];
+
+static BOUNDARY: &[Field] = &[
+    face(FACES[0], "Lower x face."),
+    face(FACES[1], "Upper x face."),
+    face(FACES[2], "Lower y face."),
+    face(FACES[3], "Upper y face."),
+    face(FACES[4], "Lower z face."),
+    face(FACES[5], "Upper z face."),
+];
+
+static FACE: Form = Form::Either {
+    words: &["free", "fixed", "symmetric"],
+    cases: &[Field::optional("velocity", Form::Motion, "Matter at the face moves like this.")],
+};
+
+const fn face(key: &'static str, meaning: &'static str) -> Field {
+    Field::with_default(key, Form::Other(&FACE), Absent::Word("free"), meaning)
+}
+
+static DRIVE: &[Field] = &[
+    Field::required("material", Form::Material, "The material whose particles are driven."),
+    Field::required(
+        "region",
+        Form::Other(&SHAPE),
+        "Particles that lie in this shape at the start are driven.",
+    ),
+    Field::required("velocity", Form::Motion, "Their velocity in time."),
+];
+
+static LOAD: &[Field] = &[
+    Field::with_default("gravity", Form::Vector(Acceleration, 3), ZERO, "Acceleration of all matter."),
+    Field::with_default(
+        "damping",
+        not_negative(Rate),
+        Absent::Number(0.0),
+        "Mass-proportional damping: a = −damping · v.",
+    ),
+];
+
+static RUN: &[Field] = &[
+    Field::required("until", positive(Time), "End of the simulated time."),
+    Field::optional("steps", count_from(1), "Most steps to take; absent: as many as it needs."),
+    Field::with_default(
+        "cfl",
+        fraction(true),
+        Absent::Number(0.4),
+        "CFL number: the part of a cell that the fastest \
+        wave may cross in a step.",
+    ),
+    Field::with_default(
+        "smallest-step",
+        positive(Time),
+        Absent::Number(1e-15),
+        "A smaller step ends the run with an \
+        error.",
+    ),
+    Field::with_default(
+        "shape",
+        Form::Choice(&["gimp", "linear"]),
+        Absent::Word("gimp"),
+        "Shape functions: uniform \
+        GIMP or trilinear.",
+    ),
+    Field::with_default(
+        "pic",
+        fraction(false),
+        Absent::Number(0.0),
+        "Share of PIC in the velocity update; 0 is FLIP.",
+    ),
+    Field::optional("viscosity", Form::Table(VISCOSITY), "Artificial viscosity; absent: none."),
+    Field::with_default(
+        "leaving",
+        Form::Choice(&["error", "delete"]),
+        Absent::Word("error"),
+        "A particle that leaves \
+        the domain stops the run, or is taken out and counted.",
+    ),
+    Field::optional("patches", COUNTS, "Patches along each axis; absent: chosen from the number of threads."),
+    Field::optional("threads", count_from(1), "Threads; absent: all cores."),
+];
+
+const fn fraction(open_below: bool) -> Form {
+    Form::Number(Range { dimension: One, least: 0.0, open_below, most: 1.0 })
+}
+
+static VISCOSITY: &[Field] = &[
+    Field::with_default(
+        "linear",
+        not_negative(One),
+        Absent::Number(0.2),
+        "c₁ in q = ρ l (c₁ c |tr D| + c₂ l (tr D)²), \
+        in compression only.",
+    ),
+    Field::with_default("quadratic", not_negative(One), Absent::Number(2.0), "c₂."),
+];
+
+static OUTPUT: &[Field] = &[
+    Field::with_default(
+        "frames",
+        count_from(0),
+        Absent::Count(20),
+        "Frames of `particles.vtkhdf` over the whole run, \
+        besides the first; 0: none at all.",
+    ),
+    Field::with_default(
+        "history-every",
+        count_from(1),
+        Absent::Count(10),
+        "A row of `history.csv` every so many steps.",
+    ),
+    Field::optional("wound", Form::Table(WOUND), "For `sinew wound`, if the scene is a shot through a slab."),
+];
+
+/// Words of `output.wound.axis`: up and down x, y and z.
+pub(super) const SHOTS: &[&str] = &["+x", "-x", "+y", "-y", "+z", "-z"];
+
+static WOUND: &[Field] = &[
+    Field::required("target", Form::Material, "Material of the slab."),
+    Field::required("projectile", Form::Material, "Material of the projectile."),
+    Field::required("axis", Form::Choice(SHOTS), "Direction of the shot."),
+    Field::required("entry", any(Length), "Where on that axis the slab's surface of entry is."),
+    Field::required("exit", any(Length), "Where the slab's surface of exit is."),
+    Field::required(
+        "center",
+        Form::Vector(Length, 2),
+        "Point of entry in the two other axes, in ascending order.",
+    ),
+];

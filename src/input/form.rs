@@ -1,0 +1,197 @@
+//! What a scene may say, as data: from one description of a field come its checks, its default and its documentation.
+use crate::physics::parameter::{Dimension, Kind, Parameter};
+
+/// A key of a table.
+#[derive(Clone, Copy)]
+pub(super) struct Field {
+    pub key: &'static str,
+    pub form: Form,
+    pub absent: Absent,
+    pub meaning: &'static str,
+}
+
+/// What holds when a scene does not give a field.
+#[derive(Clone, Copy)]
+pub(super) enum Absent {
+    /// That is an error.
+    Refused,
+    /// The scene has no such thing.
+    Nothing,
+    /// A table with the defaults of its fields, or an array without items.
+    Empty,
+    /// A number in SI.
+    Number(f64),
+    /// A count.
+    Count(i64),
+    /// A count or a number, three times.
+    Three(i64),
+    /// A direction.
+    Vector([f64; 3]),
+    Word(&'static str),
+    Flag(bool),
+    /// A table with one case: a vector.
+    Case(&'static str, [f64; 3]),
+}
+
+/// What a value must look like.
+#[derive(Clone, Copy)]
+pub(super) enum Form {
+    Number(Range),
+    Count(Counts),
+    /// One count for all axes, or one for each.
+    Counts(Counts),
+    Choice(&'static [&'static str]),
+    Flag,
+    Text,
+    /// The name of a material of the scene.
+    Material,
+    /// The names of two materials.
+    Pair,
+    /// As many numbers of one dimension.
+    Vector(Dimension, usize),
+    /// A velocity: a vector, or rows of time and vector, linear in between.
+    Motion,
+    Table(&'static [Field]),
+    /// Any number of items.
+    List(&'static Form),
+    /// Tables with names that the scene chooses.
+    Named(&'static Form),
+    /// A word, or a table with exactly one of the keys.
+    Either {
+        words: &'static [&'static str],
+        cases: &'static [Field],
+    },
+    /// A table with further keys that depend on the word of one of them.
+    Tagged {
+        tag: &'static str,
+        common: &'static [Field],
+        cases: fn() -> Vec<Case>,
+    },
+    /// A form that is described elsewhere, which breaks the cycle of shapes within shapes.
+    Other(&'static Form),
+}
+
+/// Numbers of a dimension.
+#[derive(Clone, Copy)]
+pub(super) struct Range {
+    pub dimension: Dimension,
+    pub least: f64,
+    /// Whether `least` itself is refused.
+    pub open_below: bool,
+    pub most: f64,
+}
+
+/// Integers, both ends inclusive.
+#[derive(Clone, Copy)]
+pub(super) struct Counts {
+    pub least: i64,
+    pub most: i64,
+}
+
+/// A word of a tag and the fields that come with it.
+pub(super) struct Case {
+    pub word: &'static str,
+    pub summary: &'static str,
+    pub fields: Vec<Field>,
+}
+
+impl Field {
+    pub const fn required(key: &'static str, form: Form, meaning: &'static str) -> Self {
+        Self { key, form, absent: Absent::Refused, meaning }
+    }
+    pub const fn optional(key: &'static str, form: Form, meaning: &'static str) -> Self {
+        Self { key, form, absent: Absent::Nothing, meaning }
+    }
+    pub const fn with_default(key: &'static str, form: Form, absent: Absent, meaning: &'static str) -> Self {
+        Self { key, form, absent, meaning }
+    }
+}
+
+impl From<&Parameter> for Field {
+    fn from(parameter: &Parameter) -> Self {
+        let (form, absent) = match parameter.kind {
+            Kind::Number { dimension, least, open_below, most, default } => (
+                Form::Number(Range { dimension, least, open_below, most }),
+                default.map_or(Absent::Refused, Absent::Number),
+            ),
+            Kind::Choice(words) => {
+                (Form::Choice(words), words.first().map_or(Absent::Refused, |word| Absent::Word(word)))
+            }
+            Kind::Flag(default) => (Form::Flag, Absent::Flag(default)),
+        };
+        Self { key: parameter.key, form, absent, meaning: parameter.meaning }
+    }
+}
+
+/// Any number.
+pub(super) const fn any(dimension: Dimension) -> Form {
+    Form::Number(Range { dimension, least: f64::NEG_INFINITY, open_below: false, most: f64::INFINITY })
+}
+
+/// Numbers above zero.
+pub(super) const fn positive(dimension: Dimension) -> Form {
+    Form::Number(Range { dimension, least: 0.0, open_below: true, most: f64::INFINITY })
+}
+
+/// Numbers from zero.
+pub(super) const fn not_negative(dimension: Dimension) -> Form {
+    Form::Number(Range { dimension, least: 0.0, open_below: false, most: f64::INFINITY })
+}
+
+/// Integers from `least`.
+pub(super) const fn count_from(least: i64) -> Form {
+    Form::Count(Counts { least, most: i64::MAX })
+}
+
+impl Range {
+    pub fn contains(&self, x: f64) -> bool {
+        (if self.open_below { x > self.least } else { x >= self.least }) && x <= self.most
+    }
+
+    /// The range in words; `None` if every number will do.
+    pub fn words(&self) -> Option<String> {
+        let unit = match self.dimension {
+            Dimension::One => String::new(),
+            dimension => format!(" {}", dimension.si()),
+        };
+        let below = if self.open_below { "above" } else { "at least" };
+        match (self.least.is_finite(), self.most.is_finite()) {
+            (true, true) => Some(format!("{below} {} and at most {}{unit}", self.least, self.most)),
+            (true, false) => Some(format!("{below} {}{unit}", self.least)),
+            (false, true) => Some(format!("at most {}{unit}", self.most)),
+            (false, false) => None,
+        }
+    }
+}
+
+impl Counts {
+    /// The range in words.
+    pub fn words(&self) -> String {
+        match self.most {
+            i64::MAX => format!("at least {}", self.least),
+            most => format!("{} to {most}", self.least),
+        }
+    }
+}
+
+impl Form {
+    /// What a value of this form is called, with its article.
+    pub fn name(&self) -> String {
+        match self {
+            Form::Number(range) => super::units::name(range.dimension).to_owned(),
+            Form::Count(_) => "an integer".into(),
+            Form::Counts(_) => "an integer or an array of three".into(),
+            Form::Choice(_) | Form::Text => "a string".into(),
+            Form::Flag => "true or false".into(),
+            Form::Material => "the name of a material".into(),
+            Form::Pair => "an array of the names of two materials".into(),
+            Form::Vector(_, length) => format!("an array of {length} numbers"),
+            Form::Motion => "a vector or an array of rows [time, x, y, z]".into(),
+            Form::Table(_) | Form::Named(_) | Form::Tagged { .. } => "a table".into(),
+            Form::List(_) => "an array".into(),
+            Form::Either { words: [], .. } => "a table with one key".into(),
+            Form::Either { .. } => "a word or a table with one key".into(),
+            Form::Other(form) => form.name(),
+        }
+    }
+}

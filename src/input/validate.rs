@@ -1,0 +1,155 @@
+//! What a scene must fulfil as a whole: its matter lies in the domain, apart, and in memory.
+use super::document::Node;
+use super::error::{Fault, Outcome, Point};
+use super::geometry::overlap;
+use super::lattice::{cells, inside, points, sample};
+use super::scene::{Behavior, Body, Domain, RigidMotion, Scene};
+use std::ops::Range;
+
+/// Bytes that a particle takes in a run, with its share of the nodes: an estimate for the check of memory.
+pub const BYTES_PER_PARTICLE: usize = 700;
+
+/// Checks bodies one by one and against each other. `root` is the document, for places; `available`: bytes of memory,
+/// if known.
+pub(super) fn bodies(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
+    let given = root.get("body");
+    if scene.bodies.is_empty() {
+        return Err(Fault::new(given.place, "the scene has no bodies").help("add a [[body]]"));
+    }
+    let most = available.map_or(usize::MAX, |bytes| bytes / BYTES_PER_PARTICLE);
+    let mut particles = 0;
+    for (i, (body, node)) in scene.bodies.iter().zip(given.items()).enumerate() {
+        if scene.bodies[..i].iter().any(|other| other.name == body.name) {
+            let message = format!("there are two bodies named {:?}", body.name);
+            return Err(Fault::new(node.get("name").place, message).help("give each body a name of its own"));
+        }
+        rigid_start(scene, i, node)?;
+        in_domain(&scene.domain, body, node, most)?;
+        particles += counted(scene, body, node, particles, most)?;
+    }
+    for (i, body) in scene.bodies.iter().enumerate() {
+        for other in &scene.bodies[..i] {
+            apart(&scene.domain, other, body, &given.items()[i])?;
+        }
+    }
+    Ok(())
+}
+
+/// All particles of the body are in the domain.
+fn in_domain(domain: &Domain, body: &Body, node: &Node, most: usize) -> Outcome<()> {
+    let name = &body.name;
+    let fault = |message: String| Fault::new(node.get("shape").place, message);
+    if !body.solid.is_bounded() {
+        let help = "intersect it with a box or another bounded shape";
+        return Err(fault(format!("body {name:?} is unbounded")).help(help));
+    }
+    let (lower, upper) = inside(domain);
+    let outside = |x: [f64; 3]| {
+        fault(format!("body {name:?} is outside of the domain at {}", Point(x))).help(format!(
+            "the domain reaches from {} to {}: move or shrink the body, or enlarge the domain",
+            Point(lower),
+            Point(upper)
+        ))
+    };
+    let bounds = body.solid.bounds();
+    let touched = cells(domain, bounds);
+    if (0..3).all(|a| touched[a].start >= 0 && touched[a].end <= domain.cells[a] as i64) {
+        return fits(domain, body, node, most);
+    }
+    // Bounds of turned solids are wide, so that only a particle outside proves the fault; but far too wide is too far.
+    if size(&touched) > 8.0 * domain.cells.iter().map(|&n| n as f64 + 2.0).product::<f64>() {
+        return Err(outside(bounds.0));
+    }
+    fits(domain, body, node, most)?;
+    let is_out = |x: &[f64; 3]| (0..3).any(|a| x[a] < lower[a] || x[a] > upper[a]);
+    points(domain, body.particles_per_cell, &body.solid, bounds)
+        .find(is_out)
+        .map_or(Ok(()), |x| Err(outside(x)))
+}
+
+/// The lattice around the body can be walked: it is not far larger than memory.
+fn fits(domain: &Domain, body: &Body, node: &Node, most: usize) -> Outcome<()> {
+    let lattice = size(&cells(domain, body.solid.bounds())) * particles_of_a_cell(body);
+    if lattice > 16.0 * most as f64 { Err(too_many(body, node, lattice, most)) } else { Ok(()) }
+}
+
+/// The number of the body's particles, which is not zero and, with the `earlier` ones, at most `most`.
+fn counted(scene: &Scene, body: &Body, node: &Node, earlier: usize, most: usize) -> Outcome<usize> {
+    let count = sample(scene, body).take(most.saturating_add(1)).count();
+    if earlier + count > most {
+        let lattice = size(&cells(&scene.domain, body.solid.bounds())) * particles_of_a_cell(body);
+        return Err(too_many(body, node, lattice, most));
+    }
+    if count == 0 {
+        let h = scene.domain.cell;
+        return Err(Fault::new(node.get("shape").place, format!("body {:?} has no particles", body.name))
+            .help(format!(
+                "no point of its lattice lies inside: enlarge it, or use cells smaller than {h} m"
+            )));
+    }
+    Ok(count)
+}
+
+fn too_many(body: &Body, node: &Node, lattice: f64, most: usize) -> Fault {
+    let gigabytes = |particles: f64| particles * BYTES_PER_PARTICLE as f64 / 1e9;
+    let message = format!(
+        "the particles do not fit into memory: with body {:?} there are more than {most}, all that {:.1} GB hold",
+        body.name,
+        gigabytes(most as f64)
+    );
+    let help = format!(
+        "the box around the body has {lattice:.1e} particles ({:.1} GB): use larger cells or fewer particles a cell",
+        gigabytes(lattice)
+    );
+    Fault::new(node.get("shape").place, message).help(help)
+}
+
+fn size(cells: &[Range<i64>; 3]) -> f64 {
+    cells.iter().map(|range| range.end.saturating_sub(range.start).max(0) as f64).product()
+}
+
+fn particles_of_a_cell(body: &Body) -> f64 {
+    body.particles_per_cell.iter().product::<usize>() as f64
+}
+
+/// Bodies of one free rigid material start with one velocity.
+fn rigid_start(scene: &Scene, index: usize, node: &Node) -> Outcome<()> {
+    let body = &scene.bodies[index];
+    let material = &scene.materials[body.material];
+    let first = scene.bodies.iter().find(|other| other.material == body.material).unwrap_or(body);
+    match material.behavior {
+        Behavior::Rigid(RigidMotion::Free { .. }) if first.velocity != body.velocity => {
+            let message = format!(
+                "bodies {:?} and {:?} of the rigid material {:?} start with different velocities",
+                first.name, body.name, material.name
+            );
+            Err(Fault::new(node.get("velocity").place, message).help(
+                "they are one rigid body: give both the same velocity, or the second a material of its own",
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// No particle of either body lies in the other.
+fn apart(domain: &Domain, a: &Body, b: &Body, node: &Node) -> Outcome<()> {
+    let shared = overlap(overlap(a.solid.bounds(), b.solid.bounds()), inside(domain));
+    let meeting = |body: &Body, other: &Body| {
+        points(domain, body.particles_per_cell, &body.solid, shared).find(|x| other.solid.contains(*x))
+    };
+    match meeting(a, b).or_else(|| meeting(b, a)) {
+        Some(x) => {
+            let message = format!("bodies {:?} and {:?} overlap at {}", a.name, b.name, Point(x));
+            let help = "move one of them, or cut it with `shape = { difference = [...] }`";
+            Err(Fault::new(node.get("shape").place, message).help(help))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Bytes of memory that new work can take, where the system tells.
+pub fn available_memory() -> Option<usize> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<usize>().ok()?.checked_mul(1024)
+}
