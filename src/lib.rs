@@ -7,5 +7,6 @@ pub mod input;
 pub mod output;
 pub mod physics;
 pub mod simd;
+pub mod simulation;
 #[path = "../tasks/mod.rs"]
 pub mod tasks;

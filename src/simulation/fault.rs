@@ -1,0 +1,137 @@
+//! What can go wrong in a run, with particle, patch, task, time and a remedy.
+use crate::data::labels::LabelId;
+use crate::data::shared::Clock;
+use crate::data::warehouse::Warehouse;
+use crate::exec::relocate::Left;
+use crate::graph::error::GraphError;
+use crate::grid::Level;
+use crate::input::scene::Scene;
+use crate::simd::Wide;
+use crate::tasks::stress::fault;
+
+/// Why a run could not begin or had to stop.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// A fault in a recipe.
+    #[error("the task graph is inconsistent: {0}. This is an error in Sinew, please report it")]
+    Graph(#[from] GraphError),
+    /// Patches that do not fit the level.
+    #[error("{0}")]
+    Patches(String),
+    /// The pool of threads did not start.
+    #[error("threads did not start: {0}; try fewer with --threads")]
+    Pool(#[from] rayon::ThreadPoolBuildError),
+    /// Bodies of one material with different particles per cell.
+    #[error("bodies of material {material} have different particles per cell: give each resolution a material of its own")]
+    Resolution {
+        /// The material.
+        material: String,
+    },
+    /// A body's particle lies outside of the level.
+    #[error("body {body} reaches outside of the domain")]
+    Outside {
+        /// The body.
+        body: String,
+    },
+    /// A particle's state is not admissible.
+    #[error("{what} of particle {identity} of {material} at ({}) mm, patch {patch}, task {task}, t = {time:.6e} s, step {step}. {remedy}", millimeters(position))]
+    Particle {
+        /// What is wrong, with its value.
+        what: String,
+        /// The particle.
+        identity: u64,
+        /// Its material.
+        material: String,
+        /// Where it is [m].
+        position: [f64; 3],
+        /// Its patch.
+        patch: usize,
+        /// The task that found it.
+        task: &'static str,
+        /// When [s].
+        time: f64,
+        /// The step.
+        step: u64,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A particle left the domain although the scene forbids it.
+    #[error("particle {identity} of {material} left the domain at ({}) mm from patch {patch}, task Relocate, t = {time:.6e} s ({others} more in this step). Enlarge the domain, or set run.leaving = \"delete\"", millimeters(position))]
+    Left {
+        /// The particle.
+        identity: u64,
+        /// Its material.
+        material: String,
+        /// Where it went [m].
+        position: [f64; 3],
+        /// The patch that it left.
+        patch: usize,
+        /// When [s].
+        time: f64,
+        /// How many others left in the same step.
+        others: usize,
+    },
+    /// The stable step is too small to go on.
+    #[error("the time step collapsed to {step:.3e} s at t = {time:.6e} s, step {number}: a signal of {speed:.3e} m/s in {material}. See where it comes from with more frames; lower run.cfl, add run.viscosity, or allow smaller steps with run.smallest-step")]
+    Collapsed {
+        /// The step [s].
+        step: f64,
+        /// When [s].
+        time: f64,
+        /// Steps taken.
+        number: u64,
+        /// c + |v| [m/s]
+        speed: f64,
+        /// The material that limits the step.
+        material: String,
+    },
+}
+
+fn millimeters(x: &[f64; 3]) -> String {
+    x.map(|x| format!("{:.3}", 1e3 * x)).join(", ")
+}
+
+/// The fault that the last step reported, if any: the one with the smallest identity.
+pub fn find(scene: &Scene, warehouse: &Warehouse, time: f64, step: u64) -> Option<RunError> {
+    let faults = (0..scene.materials.len()).map(|m| (m, warehouse.shared.get::<Wide>(LabelId::Fault, m).0));
+    let (material, line) =
+        faults.filter(|(_, line)| line[0].is_finite()).min_by(|a, b| a.1[0].total_cmp(&b.1[0]))?;
+    let [identity, kind, value, x, y, z, ..] = line;
+    let (what, task, remedy) = if kind == fault::INVERTED {
+        let remedy = "The material is crushed or torn beyond what its law describes: lower run.cfl, refine, or give the \
+                      material a policy (inversion = \"fail\" for tissue)";
+        (format!("det F = {value:.3e}"), "Stress", remedy)
+    } else {
+        let remedy = "Lower run.cfl, or look at the last frames for what tears there";
+        (format!("c + |v| = {value}"), "SignalSpeed", remedy)
+    };
+    let position = [x, y, z];
+    let node = warehouse.level.base_node(position, warehouse.materials[material].half_size);
+    let patch = warehouse.decomposition.owner(Level::block_of(node)).unwrap_or(0);
+    let material = scene.materials[material].name.clone();
+    Some(RunError::Particle { what, identity: identity as u64, material, position, patch, task, time, step, remedy })
+}
+
+/// The error of a particle that left.
+pub fn left(scene: &Scene, first: &Left, number: usize, time: f64) -> RunError {
+    RunError::Left {
+        identity: first.identity,
+        material: scene.materials[first.material].name.clone(),
+        position: first.position,
+        patch: first.patch,
+        time,
+        others: number - 1,
+    }
+}
+
+/// The error of a step that is too small.
+pub fn collapsed(scene: &Scene, clock: &Clock, number: u64) -> RunError {
+    let material = scene.materials.get(clock.limited_by as usize).map_or("no material", |m| m.name.as_str());
+    RunError::Collapsed {
+        step: clock.step,
+        time: clock.time,
+        number,
+        speed: clock.speed,
+        material: material.to_owned(),
+    }
+}

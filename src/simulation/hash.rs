@@ -1,0 +1,29 @@
+//! A fingerprint of the state.
+use crate::data::labels::LabelId;
+use crate::data::warehouse::Warehouse;
+
+/// Mixes a word into a running hash (the finalizer of MurmurHash3 between additions).
+fn mix(hash: u64, word: u64) -> u64 {
+    let mut h = hash.wrapping_add(word).wrapping_add(0x9E37_79B9_7F4A_7C15);
+    h = (h ^ h >> 33).wrapping_mul(0xFF51_AFD7_ED55_8CCD);
+    h = (h ^ h >> 33).wrapping_mul(0xC4CE_B9FE_1A85_EC53);
+    h ^ h >> 33
+}
+
+/// The sum of a hash of each particle, all its numbers and its identity: order, patches and threads do not show.
+pub fn state_hash(warehouse: &Warehouse) -> u64 {
+    let mut record = Vec::new();
+    let mut total = 0u64;
+    for (material, block) in warehouse.blocks() {
+        let layout = &warehouse.materials[material].layout;
+        for particle in 0..block.count {
+            record.clear();
+            block.read(layout, particle, &mut record);
+            let identity = block.get(layout, LabelId::Identity, particle, 0).to_bits();
+            let start = mix(identity, material as u64);
+            total = total.wrapping_add(record.iter().fold(start, |h, x| mix(h, x.to_bits())));
+        }
+    }
+    let shared = warehouse.shared.column(LabelId::RigidMotion).iter().flat_map(|line| line.0);
+    shared.fold(total, |h, x| mix(h, x.to_bits()))
+}

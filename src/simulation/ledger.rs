@@ -1,0 +1,215 @@
+//! Accounts of energy and momentum over a run.
+use super::failure_index;
+use crate::data::exact_sum::ExactSum;
+use crate::data::labels::LabelId;
+use crate::data::warehouse::{Shared, Warehouse};
+use crate::exec::relocate::Left;
+use crate::input::scene::Scene;
+use crate::simd::Wide;
+
+/// What the report graph computes.
+pub const REPORTED: &[LabelId] = &[LabelId::MaterialEnergy, LabelId::MaterialMotion, LabelId::FailedCount];
+
+/// Energies of one material [J].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// ½ Σ m v²
+    pub kinetic: f64,
+    /// Stored elastically.
+    pub strain: f64,
+    /// Spent on plastic flow.
+    pub plastic: f64,
+    /// Released by failure.
+    pub fracture: f64,
+    /// Turned into heat by artificial viscosity.
+    pub viscous: f64,
+}
+
+impl Energies {
+    /// The sum.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.strain + self.plastic + self.fracture + self.viscous
+    }
+}
+
+/// One material at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MaterialReport {
+    /// Energies [J].
+    pub energies: Energies,
+    /// Mass [kg].
+    pub mass: f64,
+    /// Momentum [N s].
+    pub momentum: [f64; 3],
+    /// Center of mass [m].
+    pub center: [f64; 3],
+    /// Angular momentum about the origin [N m s].
+    pub angular_momentum: [f64; 3],
+    /// Particles with failed matrix, fibers, both, both by inversion.
+    pub failed: [u64; 4],
+    /// Whether the material can fail.
+    pub fails: bool,
+    /// Number of particles.
+    pub particles: u64,
+    /// First failure of the matrix and of the fibers.
+    pub first_failure: [Option<FirstFailure>; 2],
+}
+
+impl MaterialReport {
+    /// Mean velocity [m/s].
+    pub fn velocity(&self) -> [f64; 3] {
+        self.momentum.map(|p| if self.mass > 0.0 { p / self.mass } else { 0.0 })
+    }
+}
+
+/// When and where something failed first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstFailure {
+    /// When [s].
+    pub time: f64,
+    /// Which particle.
+    pub particle: u64,
+    /// Where [m].
+    pub position: [f64; 3],
+}
+
+/// All accounts at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Time [s].
+    pub time: f64,
+    /// Steps taken.
+    pub steps: u64,
+    /// Size of the last step [s].
+    pub step: f64,
+    /// What limited the last step: a material, or the end of the run.
+    pub limited_by: String,
+    /// The materials.
+    pub materials: Vec<MaterialReport>,
+    /// Kinetic energy lost to friction so far [J].
+    pub friction: f64,
+    /// Kinetic energy lost in impact at nodes so far [J].
+    pub impact: f64,
+    /// Work of boundaries, drives and loads so far [J].
+    pub boundary_work: f64,
+    /// Impulse of boundaries, drives and loads so far [N s].
+    pub boundary_impulse: [f64; 3],
+    /// Energy that left with deleted particles (their kinetic energy) [J].
+    pub deleted_energy: f64,
+    /// Deleted particles.
+    pub deleted: u64,
+    /// What the accounts do not explain [J]: initial energy + boundary work − all energy now.
+    pub residual: f64,
+}
+
+impl Report {
+    /// Energy of all materials [J].
+    pub fn energy(&self) -> Energies {
+        self.materials.iter().fold(Energies::default(), |a, m| Energies {
+            kinetic: a.kinetic + m.energies.kinetic,
+            strain: a.strain + m.energies.strain,
+            plastic: a.plastic + m.energies.plastic,
+            fracture: a.fracture + m.energies.fracture,
+            viscous: a.viscous + m.energies.viscous,
+        })
+    }
+}
+
+/// Running totals of what particles do not remember.
+#[derive(Clone, Debug, Default)]
+pub struct Ledger {
+    initial_energy: f64,
+    friction: f64,
+    impact: f64,
+    boundary_work: f64,
+    boundary_impulse: [f64; 3],
+    deleted: u64,
+    deleted_energy: f64,
+    first_failure: Vec<[Option<FirstFailure>; 2]>,
+}
+
+impl Ledger {
+    /// Remembers the energy at the start.
+    pub fn begin(&mut self, report: &Report) {
+        self.initial_energy = report.energy().total();
+        self.first_failure = vec![[None; 2]; report.materials.len()];
+    }
+
+    /// Adds what the last step exchanged.
+    pub fn add_step(&mut self, shared: &Shared) {
+        let work: [ExactSum; 2] = shared.get(LabelId::ContactWork, 0);
+        self.friction += work[0].value();
+        self.impact += work[1].value();
+        let boundary: [ExactSum; 4] = shared.get(LabelId::BoundaryWork, 0);
+        self.boundary_work += boundary[0].value();
+        (0..3).for_each(|a| self.boundary_impulse[a] += boundary[1 + a].value());
+        for (material, known) in self.first_failure.iter_mut().enumerate() {
+            let lines: [Wide; 2] = shared.get(LabelId::FirstFailure, material);
+            for (known, line) in known.iter_mut().zip(lines).filter(|(k, line)| k.is_none() && line.0[0].is_finite()) {
+                let [time, particle, x, y, z, ..] = line.0;
+                *known = Some(FirstFailure { time, particle: particle as u64, position: [x, y, z] });
+            }
+        }
+    }
+
+    /// Counts a particle that left the domain.
+    pub fn delete(&mut self, left: &Left) {
+        self.deleted += 1;
+        self.deleted_energy += 0.5 * left.mass * left.velocity.iter().map(|v| v * v).sum::<f64>();
+    }
+
+    /// The accounts, from what the report graph has just summed.
+    pub fn report(&self, scene: &Scene, warehouse: &Warehouse, steps: u64) -> Report {
+        let clock: crate::data::shared::Clock = warehouse.shared.get(LabelId::Time, 0);
+        let limit = scene.materials.get(clock.limited_by as usize).filter(|_| clock.limited_by >= 0.0);
+        let mut report = Report {
+            time: clock.time,
+            steps,
+            step: clock.step,
+            limited_by: limit.map_or("end", |m| &m.name).to_owned(),
+            materials: (0..scene.materials.len()).map(|m| self.material(scene, warehouse, m)).collect(),
+            friction: self.friction,
+            impact: self.impact,
+            boundary_work: self.boundary_work,
+            boundary_impulse: self.boundary_impulse,
+            deleted_energy: self.deleted_energy,
+            deleted: self.deleted,
+            residual: 0.0,
+        };
+        let now = report.energy().total() + self.friction + self.impact + self.deleted_energy;
+        report.residual = self.initial_energy + self.boundary_work - now;
+        report
+    }
+
+    fn material(&self, scene: &Scene, warehouse: &Warehouse, material: usize) -> MaterialReport {
+        let shared = &warehouse.shared;
+        let values = |label, range: std::ops::Range<usize>| -> Vec<f64> {
+            let lines = shared.column(label);
+            let sums: &[ExactSum] = bytemuck::cast_slice(lines);
+            let width = sums.len() / warehouse.materials.len();
+            sums[material * width..][range].iter().map(ExactSum::value).collect()
+        };
+        let energy = values(LabelId::MaterialEnergy, 0..5);
+        let motion = values(LabelId::MaterialMotion, 0..10);
+        let failed = values(LabelId::FailedCount, 0..4);
+        let vector = |first: usize| [motion[first], motion[first + 1], motion[first + 2]];
+        let blocks = warehouse.blocks().filter(|(m, _)| *m == material);
+        MaterialReport {
+            energies: Energies {
+                kinetic: energy[0],
+                strain: energy[1],
+                plastic: energy[2],
+                fracture: energy[3],
+                viscous: energy[4],
+            },
+            mass: motion[0],
+            momentum: vector(1),
+            center: vector(4).map(|c| if motion[0] > 0.0 { c / motion[0] } else { 0.0 }),
+            angular_momentum: vector(7),
+            failed: [failed[0] as u64, failed[1] as u64, failed[2] as u64, failed[3] as u64],
+            fails: failure_index(&scene.materials[material].behavior).is_some(),
+            particles: blocks.map(|(_, b)| b.count as u64).sum(),
+            first_failure: self.first_failure.get(material).copied().unwrap_or_default(),
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! A run: a scene becomes particles and graphs, steps are taken, faults become errors.
+pub mod fault;
+mod hash;
+pub mod ledger;
+mod populate;
+mod snapshot;
+
+pub use fault::RunError;
+pub use ledger::{Energies, Ledger, MaterialReport, Report};
+pub use snapshot::Snapshot;
+
+use crate::data::labels::LabelId;
+use crate::data::shared::Clock;
+use crate::data::warehouse::Warehouse;
+use crate::exec::relocate::{self, Left};
+use crate::exec::{Engine, Executor, Serial, Threads};
+use crate::graph::build::TaskGraph;
+use crate::graph::error::GraphError;
+use crate::grid::{Decomposition, Level};
+use crate::input::scene::{Behavior, Leaving, Scene};
+use crate::simd::Isa;
+use crate::tasks::timestep;
+
+/// Labels that runs want besides what the next step reads.
+const WANTED: &[LabelId] = &[
+    LabelId::Time,
+    LabelId::Fault,
+    LabelId::FirstFailure,
+    LabelId::ContactWork,
+    LabelId::BoundaryWork,
+    LabelId::BlockExtent,
+];
+
+/// The graph of one step of `scene` on `patches` patches.
+///
+/// # Errors
+/// A fault of the recipe: an error in Sinew, not in the scene.
+pub fn step_graph(scene: &Scene, patches: usize) -> Result<TaskGraph, GraphError> {
+    TaskGraph::build(timestep::timestep(scene), WANTED, patches)
+}
+
+/// Serial or threaded.
+pub enum Workers {
+    /// The calling thread.
+    Serial(Serial),
+    /// A pool.
+    Threads(Threads),
+}
+
+impl Executor for Workers {
+    fn each<T: Send>(&self, items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+        match self {
+            Workers::Serial(executor) => executor.each(items, work),
+            Workers::Threads(executor) => executor.each(items, work),
+        }
+    }
+
+    fn workers(&self) -> usize {
+        match self {
+            Workers::Serial(executor) => executor.workers(),
+            Workers::Threads(executor) => executor.workers(),
+        }
+    }
+}
+
+/// A simulation between two steps.
+pub struct Simulation {
+    /// What is simulated.
+    pub scene: Scene,
+    /// All data.
+    pub warehouse: Warehouse,
+    /// The graph of a step.
+    pub graph: TaskGraph,
+    report_graph: TaskGraph,
+    engine: Engine<Workers>,
+    ledger: Ledger,
+    steps: u64,
+}
+
+impl Simulation {
+    /// Particles, graphs and workers for `scene`, and the state before the first step.
+    ///
+    /// # Errors
+    /// Patches that do not fit, or threads that do not start.
+    pub fn new(scene: Scene, isa: Isa) -> Result<Self, RunError> {
+        let level = Level { lower: scene.domain.lower, cell: scene.domain.cell, cells: scene.domain.cells };
+        let threads = scene.run.threads.unwrap_or_else(available_threads);
+        let counts = scene.run.patches.unwrap_or_else(|| Decomposition::automatic(&level, 8 * threads));
+        let decomposition = Decomposition::new(&level, counts).map_err(RunError::Patches)?;
+        let patches = decomposition.patches.len();
+        let graph = step_graph(&scene, patches)?;
+        let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
+        let start = TaskGraph::build(timestep::start(&scene), WANTED, patches)?;
+
+        let warehouse = populate::populate(&scene, level, decomposition, &graph)?;
+        let workers = match threads {
+            1 => Workers::Serial(Serial),
+            n => Workers::Threads(Threads::new(n)?),
+        };
+        let engine = Engine::new(workers, isa, &warehouse);
+        let ledger = Ledger::default();
+        let mut simulation = Self { scene, warehouse, graph, report_graph, engine, ledger, steps: 0 };
+        simulation.engine.run(&start, &mut simulation.warehouse);
+        simulation.check_faults()?;
+        simulation.relocate()?;
+        let report = simulation.report();
+        simulation.ledger.begin(&report);
+        Ok(simulation)
+    }
+
+    /// Takes one step; returns false when the end of the run was reached before.
+    ///
+    /// # Errors
+    /// An inadmissible particle, a collapsed step, a particle that left where the scene forbids it.
+    pub fn step(&mut self) -> Result<bool, RunError> {
+        if self.finished() {
+            return Ok(false);
+        }
+        self.engine.run(&self.graph, &mut self.warehouse);
+        let mut clock = self.clock();
+        self.check_step(&clock)?;
+        self.check_faults()?;
+        clock.time = if clock.limited_by < 0.0 { clock.until } else { clock.time + clock.step };
+        self.warehouse.shared.set(LabelId::Time, 0, clock);
+        self.steps += 1;
+        self.ledger.add_step(&self.warehouse.shared);
+        self.relocate()?;
+        Ok(true)
+    }
+
+    /// Whether the end of the run is reached.
+    pub fn finished(&self) -> bool {
+        self.clock().time >= self.scene.run.until || self.scene.run.steps.is_some_and(|most| self.steps >= most)
+    }
+
+    /// Time and step size.
+    pub fn clock(&self) -> Clock {
+        self.warehouse.shared.get(LabelId::Time, 0)
+    }
+
+    /// Steps taken.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Number of threads.
+    pub fn threads(&self) -> usize {
+        self.engine.workers()
+    }
+
+    /// Energies, momenta and failures now.
+    pub fn report(&mut self) -> Report {
+        self.engine.run(&self.report_graph, &mut self.warehouse);
+        self.ledger.report(&self.scene, &self.warehouse, self.steps)
+    }
+
+    /// One number that changes with any bit of any particle, whatever the order, patches and threads.
+    pub fn state_hash(&self) -> u64 {
+        hash::state_hash(&self.warehouse)
+    }
+
+    /// The particles, for output.
+    pub fn snapshot(&self) -> Snapshot<'_> {
+        Snapshot::new(self)
+    }
+
+    fn relocate(&mut self) -> Result<(), RunError> {
+        let left: Vec<Left> = relocate::relocate(&mut self.warehouse);
+        let Some(first) = left.first() else { return Ok(()) };
+        if self.scene.run.leaving == Leaving::Error {
+            return Err(fault::left(&self.scene, first, left.len(), self.clock().time));
+        }
+        left.iter().for_each(|particle| self.ledger.delete(particle));
+        Ok(())
+    }
+
+    fn check_step(&self, clock: &Clock) -> Result<(), RunError> {
+        if clock.step > 0.0 && (clock.step >= self.scene.run.smallest_step || clock.limited_by < 0.0) {
+            return Ok(());
+        }
+        Err(fault::collapsed(&self.scene, clock, self.steps))
+    }
+
+    fn check_faults(&self) -> Result<(), RunError> {
+        fault::find(&self.scene, &self.warehouse, self.clock().time, self.steps).map_or(Ok(()), Err)
+    }
+}
+
+/// Cores that this process may use.
+pub fn available_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+/// The law's number of history called `failure`, if the material has a law that fails.
+pub fn failure_index(behavior: &Behavior) -> Option<usize> {
+    populate::history_of(behavior).iter().position(|v| v.name == "failure")
+}

@@ -1,0 +1,172 @@
+//! From bodies to particles.
+use super::fault::RunError;
+use crate::data::labels::LabelId;
+use crate::data::particles::Layout;
+use crate::data::shared::{Clock, RigidState};
+use crate::data::warehouse::{MaterialData, Warehouse};
+use crate::graph::build::TaskGraph;
+use crate::grid::{Decomposition, Level};
+use crate::input::lattice;
+use crate::input::scene::{Behavior, Body, RigidMotion, Scene};
+use crate::physics::law::{Law, Variable};
+use crate::physics::materials::WithLaw;
+use crate::tasks::timestep;
+use nalgebra::{Matrix3, Vector3};
+
+/// A warehouse with all particles of `scene`, with the labels that `graph` uses.
+///
+/// # Errors
+/// Bodies that do not fit the level, or differ in resolution within a material.
+pub fn populate(
+    scene: &Scene,
+    level: Level,
+    decomposition: Decomposition,
+    graph: &TaskGraph,
+) -> Result<Warehouse, RunError> {
+    let materials = (0..scene.materials.len()).map(|m| material_data(scene, graph, m)).collect();
+    let mut warehouse = Warehouse::new(level, decomposition, materials);
+    let mut identity = 0;
+    for body in &scene.bodies {
+        let first = scene.bodies.iter().find(|b| b.material == body.material);
+        if first.is_some_and(|b| b.particles_per_cell != body.particles_per_cell) {
+            let material = scene.materials[body.material].name.clone();
+            return Err(RunError::Resolution { material });
+        }
+        add_body(scene, body, &mut warehouse, &mut identity)?;
+    }
+    let clock = Clock { until: scene.run.until, ..bytemuck::Zeroable::zeroed() };
+    warehouse.shared.set(LabelId::Time, 0, clock);
+    (0..scene.materials.len()).for_each(|m| start_rigid(scene, &mut warehouse, m));
+    Ok(warehouse)
+}
+
+/// The history that a material's law keeps.
+pub fn history_of(behavior: &Behavior) -> &'static [Variable] {
+    match behavior {
+        Behavior::Deformable(law) => law.visit(HistoryOf),
+        Behavior::Rigid(_) => &[],
+    }
+}
+
+struct HistoryOf;
+impl WithLaw for HistoryOf {
+    type Output = &'static [Variable];
+    fn with<L: Law>(self, _law: L) -> Self::Output {
+        L::HISTORY
+    }
+}
+
+struct Initial([f64; 3]);
+impl WithLaw for Initial {
+    type Output = Vec<f64>;
+    fn with<L: Law>(self, law: L) -> Vec<f64> {
+        let mut history = vec![0.0; L::HISTORY.len()];
+        law.initial(self.0, &mut history);
+        history
+    }
+}
+
+fn initial_history(behavior: &Behavior, fiber: [f64; 3]) -> Vec<f64> {
+    match behavior {
+        Behavior::Deformable(law) => law.visit(Initial(fiber)),
+        Behavior::Rigid(_) => Vec::new(),
+    }
+}
+
+fn material_data(scene: &Scene, graph: &TaskGraph, material: usize) -> MaterialData {
+    let always = [LabelId::Identity, LabelId::Position, LabelId::Velocity, LabelId::Mass];
+    let labels = graph.particle_labels(material).into_iter().chain(always);
+    let inert = initial_history(&scene.materials[material].behavior, [1.0, 0.0, 0.0]);
+    let touches = |other: usize| {
+        let pair = [material.min(other), material.max(other)];
+        scene.contacts.iter().any(|c| c.between == pair)
+    };
+    MaterialData {
+        name: scene.materials[material].name.clone(),
+        layout: Layout::new(labels, inert),
+        half_size: timestep::half_size(scene, material),
+        contacts: (0..scene.materials.len()).map(touches).collect(),
+    }
+}
+
+fn add_body(scene: &Scene, body: &Body, warehouse: &mut Warehouse, identity: &mut u64) -> Result<(), RunError> {
+    let material = &scene.materials[body.material];
+    let layout = warehouse.materials[body.material].layout.clone();
+    let volume = lattice::particle_volume(scene, body);
+    for x in lattice::sample(scene, body) {
+        let history = initial_history(&material.behavior, lattice::fiber_at(&body.fibers, x));
+        let drive = scene.drives.iter().position(|d| d.material == body.material && d.region.contains(x));
+        let mut record = Vec::with_capacity(layout.total);
+        for label in layout.labels() {
+            match label {
+                LabelId::Position => record.extend(x),
+                LabelId::Velocity => record.extend(body.velocity),
+                LabelId::Mass => record.push(material.density * volume),
+                LabelId::InitialVolume | LabelId::Volume => record.push(volume),
+                LabelId::Deformation => record.extend([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]),
+                LabelId::History => record.extend(&history),
+                LabelId::DriveIndex => record.push(drive.map_or(0.0, |d| d as f64 + 1.0)),
+                LabelId::Identity => record.push(f64::from_bits(*identity)),
+                other => record.extend(std::iter::repeat_n(0.0, other.width())),
+            }
+        }
+        let outside = |_| RunError::Outside { body: body.name.clone() };
+        warehouse.insert(body.material, x, &record).map_err(outside)?;
+        *identity += 1;
+    }
+    Ok(())
+}
+
+/// Mass, center, inertia and motion of a rigid material, and the reference positions of its particles.
+fn start_rigid(scene: &Scene, warehouse: &mut Warehouse, material: usize) {
+    let Behavior::Rigid(motion) = &scene.materials[material].behavior else { return };
+    let layout = warehouse.materials[material].layout.clone();
+    let (mut mass, mut moment, mut momentum) = (0.0, Vector3::zeros(), Vector3::zeros());
+    let mut second = Matrix3::zeros();
+    // in the order of identity, so that no decomposition changes a bit
+    let mut particles: Vec<_> = warehouse
+        .blocks()
+        .filter(|(m, _)| *m == material)
+        .flat_map(|(_, block)| (0..block.count).map(move |p| (block, p)))
+        .map(|(block, p)| {
+            let get = |label, c| block.get(&layout, label, p, c);
+            let vector = |label| Vector3::from_fn(|a, _| get(label, a));
+            let identity = get(LabelId::Identity, 0).to_bits();
+            (identity, get(LabelId::Mass, 0), vector(LabelId::Position), vector(LabelId::Velocity))
+        })
+        .collect();
+    particles.sort_by_key(|p| p.0);
+    for (_, m, x, v) in &particles {
+        mass += m;
+        moment += *m * x;
+        momentum += *m * v;
+    }
+    let center = moment / mass;
+    for (_, m, x, _) in &particles {
+        let r = x - center;
+        second += *m * (Matrix3::identity() * r.norm_squared() - r * r.transpose());
+    }
+    let (velocity, angular, free) = match motion {
+        RigidMotion::Free { angular_velocity } => ((momentum / mass).into(), *angular_velocity, 1.0),
+        RigidMotion::Prescribed { velocity, angular_velocity } => (velocity.at(0.0), *angular_velocity, 0.0),
+    };
+    let mut body = RigidState {
+        mass,
+        center: center.into(),
+        velocity,
+        angular,
+        free,
+        inertia: std::array::from_fn(|n| second[(n / 3, n % 3)]),
+        ..bytemuck::Zeroable::zeroed()
+    };
+    (0..3).for_each(|a| body.rotation[4 * a] = 1.0);
+    warehouse.shared.set(LabelId::RigidMotion, material, body);
+    for block in warehouse.particles.iter_mut().flat_map(|patch| &mut patch[material].blocks) {
+        for particle in 0..block.count {
+            for a in 0..3 {
+                let r = block.get(&layout, LabelId::Position, particle, a) - center[a];
+                block.set(&layout, LabelId::ReferencePosition, particle, a, r);
+            }
+        }
+    }
+}
