@@ -1,4 +1,5 @@
 //! The physics: pure functions of numbers. Nothing here knows a patch, a task or a file.
+pub mod acoustic;
 pub mod contact;
 pub mod lattice;
 pub mod law;
