@@ -1,3 +1,4 @@
+use super::contact_power::mean_velocity;
 use super::integrate::change;
 use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
 use crate::data::nodes::NODES;
@@ -49,7 +50,8 @@ impl Body for Boundary {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let last = at.node.map(|n| n + BLOCK - 1);
         let reached = |face: &usize| {
-            self.faces[*face] != FaceCondition::Free && (self.holds(*face, at.node) || self.holds(*face, last))
+            self.faces[*face] != FaceCondition::Free
+                && (self.holds(*face, at.node) || self.holds(*face, last))
         };
         if !(0..6).any(|face| reached(&face)) {
             return;
@@ -63,8 +65,8 @@ impl Body for Boundary {
                 for face in (0..6).filter(|&face| self.holds(face, node)) {
                     let v = [motion.0[0], motion.0[1], motion.0[2]];
                     let dv = self.correction(face, time, v);
-                    work.add(sum.0[0], v, dv);
                     change(motion, dv);
+                    work.add(sum.0[0], mean_velocity(motion), dv);
                 }
             }
         }

@@ -1,6 +1,6 @@
 use super::integrate::change;
 use crate::data::exact_sum::ExactSum;
-use crate::data::labels::{ContactSums, ContactWork, NodeMotion, NodeSums, RigidImpulse, RigidMotion};
+use crate::data::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, RigidImpulse, RigidMotion};
 use crate::data::nodes::NODES;
 use crate::data::shared::RigidState;
 use crate::graph::task::{At, Body};
@@ -39,8 +39,8 @@ pub struct ContactPair {
 crate::task! { Nodes task Contact {
     requires old { bodies: RigidMotion }
     requires new { sums: NodeSums, surfaces: ContactSums }
-    computes { impulse: RigidImpulse, work: ContactWork }
-    modifies { motion: NodeMotion }
+    computes { on_bodies: RigidImpulse }
+    modifies { motion: NodeMotion, impulse: ContactImpulse }
 }}
 
 impl Body for Contact {
@@ -81,7 +81,6 @@ impl Side<'_> {
 impl Contact {
     #[inline(never)]
     fn exchange_all(&self, at: &At<'_>, io: &mut Io<'_>) {
-        let (mut lost_to_friction, mut lost_to_impact) = (0.0, 0.0);
         for pair in &self.pairs {
             let slot = |material: usize| at.present.iter().position(|&m| m as usize == material);
             let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
@@ -98,11 +97,16 @@ impl Contact {
                     surface: &io.surfaces[lines[i]],
                     velocity: [0, 1, 2].map(|axis| io.motion[lines[i]].0[axis]),
                 });
-                let Some((exchange, masses)) = self.exchange(pair, &sides, node, &io.bodies) else { continue };
-                lost_to_friction += exchange.friction;
-                lost_to_impact += exchange.impact;
+                let Some((exchange, masses)) = self.exchange(pair, &sides, node, &io.bodies) else {
+                    continue;
+                };
                 for (i, sign) in [(0, 1.0), (1, -1.0)] {
-                    let impulse = exchange.impulse.map(|p| sign * p);
+                    let impulse = std::array::from_fn(|a| sign * (exchange.normal[a] + exchange.friction[a]));
+                    let record = &mut io.impulse[lines[i]];
+                    for a in 0..3 {
+                        record.0[a] += sign * exchange.normal[a];
+                        record.0[4 + a] += sign * exchange.friction[a];
+                    }
                     if self.rigid[pair.between[i]] {
                         push(&mut pushed[i], impulse, node, &io.bodies[pair.between[i]], masses[1 - i]);
                     } else {
@@ -111,12 +115,10 @@ impl Contact {
                 }
             }
             for (i, pushed) in pushed.iter().enumerate().filter(|(i, _)| self.rigid[pair.between[*i]]) {
-                let sums: &mut [ExactSum; 7] = &mut io.impulse[pair.between[i]];
+                let sums: &mut [ExactSum; 7] = &mut io.on_bodies[pair.between[i]];
                 sums.iter_mut().zip(pushed).for_each(|(sum, &x)| sum.add(x));
             }
         }
-        io.work[0][0].add(lost_to_friction);
-        io.work[0][1].add(lost_to_impact);
     }
 
     /// What the pair exchanges at a node, and the masses that took part; `None`: the surfaces do not touch.
@@ -134,7 +136,9 @@ impl Contact {
             return None;
         }
         let normal = difference.map(|d| d / length);
-        let before = |side: &Side<'_>, n| self.surfaces[side.material].surface(side.center(node, n) / self.lattice.cell);
+        let before = |side: &Side<'_>, n| {
+            self.surfaces[side.material].surface(side.center(node, n) / self.lattice.cell)
+        };
         let gap = before(a, normal) + before(b, normal.map(|n| -n));
         if gap > pair.gap {
             return None;
@@ -147,7 +151,9 @@ impl Contact {
         let seen = Pair { relative, reduced_mass, normal, traction };
         let exchange = match pair.law {
             ContactLaw::Bonded => bonded::exchange(&seen),
-            ContactLaw::Friction { coefficient, criterion } => friction::exchange(&seen, coefficient, criterion),
+            ContactLaw::Friction { coefficient, criterion } => {
+                friction::exchange(&seen, coefficient, criterion)
+            }
         };
         Some((exchange, masses))
     }

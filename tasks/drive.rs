@@ -27,11 +27,12 @@ impl Body for Drive {
         for (((index, mass), v), (on_grid, dv)) in particles.zip(grid) {
             for lane in (0..LANES).filter(|&lane| index.0[lane] > 0.0) {
                 let wanted = self.drives[index.0[lane] as usize - 1].at(time);
-                let free: [f64; 3] = std::array::from_fn(|a| v[a].0[lane] + dv[a].0[lane]);
-                work.add(mass.0[lane], free, std::array::from_fn(|a| wanted[a] - free[a]));
+                let v: [f64; 3] = std::array::from_fn(|a| v[a].0[lane]);
+                let mean = std::array::from_fn(|a| 0.5 * (v[a] + wanted[a]));
+                work.add(mass.0[lane], mean, std::array::from_fn(|a| wanted[a] - v[a] - dv[a].0[lane]));
                 for a in 0..3 {
                     on_grid[a].0[lane] = wanted[a];
-                    dv[a].0[lane] = wanted[a] - v[a].0[lane];
+                    dv[a].0[lane] = wanted[a] - v[a];
                 }
             }
         }

@@ -1,6 +1,4 @@
-use crate::data::labels::{
-    GatherRows, GridVelocity, NodeMotion, VelocityChange, VelocityGradient, Weights,
-};
+use crate::data::labels::{GatherRows, GridVelocity, NodeMotion, VelocityChange, VelocityGradient, Weights};
 use crate::for_each_particle_by_class;
 use crate::graph::task::{At, Body};
 use crate::physics::shape::transfer::gather;

@@ -34,7 +34,7 @@ impl Body for Loads {
             for (sum, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.0[0] > self.least_mass) {
                 let v = [motion.0[0], motion.0[1], motion.0[2]];
                 let dv = std::array::from_fn(|a| dt * (self.gravity[a] - self.damping * v[a]));
-                work.add(sum.0[0], v, dv);
+                work.add(sum.0[0], std::array::from_fn(|a| v[a] + 0.5 * dv[a]), dv);
                 change(motion, dv);
             }
         }

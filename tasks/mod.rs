@@ -6,7 +6,9 @@
 pub mod advance;
 pub mod boundary;
 pub mod contact;
+pub mod contact_begin;
 pub mod contact_flow;
+pub mod contact_power;
 pub mod contact_scatter;
 pub mod drive;
 pub mod gather;

@@ -1,5 +1,7 @@
 use super::stress::{Who, fault};
-use crate::data::labels::{Fault, Identity, InitialVolume, Mass, Position, SignalSpeed as SignalSpeedLabel, StiffnessBound, Velocity};
+use crate::data::labels::{
+    Fault, Identity, InitialVolume, Mass, Position, SignalSpeed as SignalSpeedLabel, StiffnessBound, Velocity,
+};
 use crate::graph::task::{At, Body};
 use crate::simd::Simd;
 

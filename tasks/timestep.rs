@@ -5,7 +5,9 @@
 use super::advance::Advance;
 use super::boundary::Boundary;
 use super::contact::{Contact, ContactPair};
+use super::contact_begin::ContactBegin;
 use super::contact_flow::ContactFlow;
+use super::contact_power::ContactPower;
 use super::contact_scatter::ContactScatter;
 use super::drive::Drive;
 use super::gather::Gather;
@@ -30,8 +32,8 @@ use crate::graph::build::{Entry, Recipe};
 use crate::graph::task::Runnable;
 use crate::input::scene::{Behavior, FaceCondition, RigidMotion as Motion, Scene, ShapeFunction};
 use crate::physics::contact::surface::SurfaceTable;
-use crate::physics::law::Law;
 use crate::physics::lattice::Lattice;
+use crate::physics::law::Law;
 use crate::physics::materials::{AnyLaw, WithLaw};
 use crate::physics::shape::gimp::Gimp;
 use crate::physics::shape::linear::Linear;
@@ -58,12 +60,14 @@ pub fn timestep(scene: &Scene) -> Recipe {
 
     recipe.nodes("", NodalVelocity { least_mass: recipe.least_mass });
     recipe.rigid_velocity();
+    recipe.contact_begin();
     recipe.contact();
     recipe.nodes("", Integrate { least_mass: recipe.least_mass });
     recipe.loads();
     recipe.rigid_velocity();
     recipe.contact();
     recipe.boundary();
+    recipe.contact_power();
     if recipe.rigid.contains(&true) {
         recipe.rigid_motion();
     }
@@ -197,6 +201,18 @@ impl<'a> Builder<'a> {
         if self.rigid.contains(&true) {
             let task = RigidVelocity { lattice: self.lattice, rigid: self.rigid.clone() };
             self.nodes("material", task);
+        }
+    }
+
+    fn contact_begin(&mut self) {
+        if !self.scene.contacts.is_empty() {
+            self.nodes("contact", ContactBegin);
+        }
+    }
+
+    fn contact_power(&mut self) {
+        if !self.scene.contacts.is_empty() {
+            self.nodes("contact", ContactPower);
         }
     }
 

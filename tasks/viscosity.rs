@@ -1,4 +1,6 @@
-use crate::data::labels::{InitialVolume, KirchhoffStress, Mass, StiffnessBound, Time, VelocityGradient, ViscousWork, Volume};
+use crate::data::labels::{
+    InitialVolume, KirchhoffStress, Mass, StiffnessBound, Time, VelocityGradient, ViscousWork, Volume,
+};
 use crate::graph::task::{At, Body};
 use crate::physics::viscosity::Viscosity as Law;
 use crate::simd::Simd;

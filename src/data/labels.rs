@@ -2,8 +2,8 @@
 use super::exact_sum::ExactSum;
 use super::label::{Home, Label, Reduce, labels};
 use super::shared::{Clock, RigidState};
-use crate::simd::Wide;
 use crate::physics::shape::{NodeRows, Stencil};
+use crate::simd::Wide;
 
 labels! {
     Position:         Particle, [Wide; 3], "m",       "x_p";
@@ -32,6 +32,7 @@ labels! {
 
     NodeSums:         Node,     Wide,      "mixed",   "m, m v (3), f (3), V";
     ContactSums:      Node,     Wide,      "mixed",   "0, m x (3), sum V grad S (3), 0";
+    ContactImpulse:   Node,     Wide,      "N s",     "impulse of contact in this step: normal (3), 0, friction (3), 0";
     NodeMotion:       Node,     Wide,      "m/s",     "v (3), 0, change of v in this step (3), 0";
 
     BlockExtent:      Block Max, [Wide; 6], "cells",  "max of +-(base node) over the block, to see who leaves it";

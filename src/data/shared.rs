@@ -50,10 +50,6 @@ impl RigidState {
         let r: [f64; 3] = std::array::from_fn(|a| x[a] - self.center[a]);
         let w = self.angular;
         let v = self.velocity;
-        [
-            v[0] + w[1] * r[2] - w[2] * r[1],
-            v[1] + w[2] * r[0] - w[0] * r[2],
-            v[2] + w[0] * r[1] - w[1] * r[0],
-        ]
+        [v[0] + w[1] * r[2] - w[2] * r[1], v[1] + w[2] * r[0] - w[0] * r[2], v[2] + w[0] * r[1] - w[1] * r[0]]
     }
 }

@@ -67,7 +67,9 @@ impl Warehouse {
         let empty = vec![ParticlePatch::default(); materials.len()];
         let mut particles = vec![empty; patches];
         let mut nodes = vec![NodePatch::default(); patches];
-        for (patch, (particles, nodes)) in decomposition.patches.iter().zip(particles.iter_mut().zip(&mut nodes)) {
+        for (patch, (particles, nodes)) in
+            decomposition.patches.iter().zip(particles.iter_mut().zip(&mut nodes))
+        {
             particles.iter_mut().for_each(|p| p.lookup = vec![0; patch.blocks.len()]);
             nodes.lookup = vec![0; patch.blocks.len()];
         }

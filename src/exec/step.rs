@@ -49,7 +49,13 @@ impl<E: Executor> Engine<E> {
         }
     }
 
-    fn phase(&self, graph: &TaskGraph, phase: &Phase, warehouse: &mut Warehouse, begun: &mut BTreeSet<LabelId>) {
+    fn phase(
+        &self,
+        graph: &TaskGraph,
+        phase: &Phase,
+        warehouse: &mut Warehouse,
+        begun: &mut BTreeSet<LabelId>,
+    ) {
         let Warehouse { level, materials, particles, nodes, shared, .. } = warehouse;
         let context = Context { isa: self.isa, recipe: &graph.recipe, level, materials };
         let first = phase.stages.first();

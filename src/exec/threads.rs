@@ -15,7 +15,8 @@ impl Threads {
     /// # Errors
     /// If the system refuses to start threads.
     pub fn new(threads: usize) -> Result<Self, ThreadPoolBuildError> {
-        let pool = ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("sinew-{i}")).build()?;
+        let pool =
+            ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("sinew-{i}")).build()?;
         Ok(Self { pool })
     }
 }

@@ -186,7 +186,11 @@ impl Derivation<'_> {
                 let (task, writer, patches) = (self.name(node), self.name(writer), self.everywhere.clone());
                 return Err(GraphError::OldAfterWrite { task, label, writer, patches });
             }
-            if access.mode == Mode::Computes && slot.readers.is_empty() && !sums && label.home() != Home::Chunk {
+            if access.mode == Mode::Computes
+                && slot.readers.is_empty()
+                && !sums
+                && label.home() != Home::Chunk
+            {
                 let (task, producer, patches) = (self.name(node), self.name(writer), self.everywhere.clone());
                 return Err(GraphError::TwoProducers { task, label, producer, patches });
             }

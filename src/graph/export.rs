@@ -11,7 +11,8 @@ impl TaskGraph {
         let mut out = String::new();
         for (number, phase) in self.phases.iter().enumerate() {
             for stage in &phase.stages {
-                let material = stage.material.map_or(String::new(), |m| format!(" of {}", self.recipe.materials[m]));
+                let material =
+                    stage.material.map_or(String::new(), |m| format!(" of {}", self.recipe.materials[m]));
                 let how = match stage.domain {
                     Domain::Nodes => "node blocks of all materials, fused block by block",
                     Domain::Once => "once",
@@ -20,7 +21,8 @@ impl TaskGraph {
                 let _ = writeln!(out, "phase {number}: {how}{material}");
                 for &node in &stage.nodes {
                     let declaration = &self.graph[node].declaration;
-                    let near = if declaration.domain == Domain::NearParticles { " (near contact)" } else { "" };
+                    let near =
+                        if declaration.domain == Domain::NearParticles { " (near contact)" } else { "" };
                     let (reads, writes) = describe(declaration.access);
                     let _ = writeln!(out, "  {:<20}{reads} -> {writes}{near}", declaration.name);
                 }
@@ -35,13 +37,15 @@ impl TaskGraph {
 
     /// Graphviz, one cluster a fused stage: solid edges carry data, dashed ones protect what is still read.
     pub fn to_dot(&self) -> String {
-        let mut out = String::from("digraph step {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans-serif\"];\n");
+        let mut out =
+            String::from("digraph step {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans-serif\"];\n");
         let stages = self.phases.iter().flat_map(|p| &p.stages);
         for (number, stage) in stages.enumerate() {
             let material = stage.material.map_or("all materials", |m| &self.recipe.materials[m]);
             let _ = writeln!(out, "  subgraph cluster_{number} {{ label=\"{:?}, {material}\";", stage.domain);
             for &node in &stage.nodes {
-                let _ = writeln!(out, "    t{} [label=\"{}\"];", node.index(), self.graph[node].declaration.name);
+                let _ =
+                    writeln!(out, "    t{} [label=\"{}\"];", node.index(), self.graph[node].declaration.name);
             }
             out.push_str("  }\n");
         }
@@ -62,7 +66,8 @@ impl TaskGraph {
     /// Tasks, stages and edges as JSON.
     pub fn to_json(&self) -> Value {
         let place = |node| {
-            let mut stages = self.phases.iter().enumerate().flat_map(|(p, ph)| ph.stages.iter().map(move |s| (p, s)));
+            let mut stages =
+                self.phases.iter().enumerate().flat_map(|(p, ph)| ph.stages.iter().map(move |s| (p, s)));
             stages.find(|(_, s)| s.nodes.contains(&node)).map(|(p, _)| p)
         };
         let tasks = self.graph.node_indices().map(|n| {

@@ -75,7 +75,9 @@ fn needs_all_blocks(graph: &Graph, node: NodeIndex, stage: &Stage) -> bool {
         _ => false,
     };
     graph.edges_directed(node, Direction::Incoming).any(|e| {
-        stage.nodes.contains(&e.source()) && e.weight().why == Why::Flow && complete_later(e.weight().label.home())
+        stage.nodes.contains(&e.source())
+            && e.weight().why == Why::Flow
+            && complete_later(e.weight().label.home())
     })
 }
 

@@ -76,8 +76,9 @@ impl Decomposition {
         let mut counts = [1; 3];
         while counts.iter().product::<usize>() < wanted {
             let length = |a: usize| columns[a] as f64 / counts[a] as f64;
-            let Some(axis) =
-                (0..3).filter(|&a| 2 * counts[a] <= columns[a]).max_by(|&a, &b| length(a).total_cmp(&length(b)))
+            let Some(axis) = (0..3)
+                .filter(|&a| 2 * counts[a] <= columns[a])
+                .max_by(|&a, &b| length(a).total_cmp(&length(b)))
             else {
                 break;
             };

@@ -4,18 +4,18 @@ use crate::data::exact_sum::ExactSum;
 /// Sums of work and impulse over a few nodes or particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
-    /// Σ m (v + Δv/2) · Δv [J]
+    /// Σ m Δv · v̄ [J]
     pub work: f64,
     /// Σ m Δv [N s]
     pub impulse: [f64; 3],
 }
 
 impl Work {
-    /// Counts a change of velocity `dv` of a mass `m` that moved at `v`.
+    /// Counts a change of velocity `dv` of a mass `m` whose velocity over the step is `mean` in the mean.
     #[inline(always)]
-    pub fn add(&mut self, m: f64, v: [f64; 3], dv: [f64; 3]) {
+    pub fn add(&mut self, m: f64, mean: [f64; 3], dv: [f64; 3]) {
         for a in 0..3 {
-            self.work += m * (v[a] + 0.5 * dv[a]) * dv[a];
+            self.work += m * dv[a] * mean[a];
             self.impulse[a] += m * dv[a];
         }
     }

@@ -22,7 +22,9 @@ pub enum RunError {
     #[error("threads did not start: {0}; try fewer with --threads")]
     Pool(#[from] rayon::ThreadPoolBuildError),
     /// Bodies of one material with different particles per cell.
-    #[error("bodies of material {material} have different particles per cell: give each resolution a material of its own")]
+    #[error(
+        "bodies of material {material} have different particles per cell: give each resolution a material of its own"
+    )]
     Resolution {
         /// The material.
         material: String,
@@ -34,7 +36,10 @@ pub enum RunError {
         body: String,
     },
     /// A particle's state is not admissible.
-    #[error("{what} of particle {identity} of {material} at ({}) mm, patch {patch}, task {task}, t = {time:.6e} s, step {step}. {remedy}", millimeters(position))]
+    #[error(
+        "{what} of particle {identity} of {material} at ({}) mm, patch {patch}, task {task}, t = {time:.6e} s, step {step}. {remedy}",
+        millimeters(position)
+    )]
     Particle {
         /// What is wrong, with its value.
         what: String,
@@ -56,7 +61,10 @@ pub enum RunError {
         remedy: &'static str,
     },
     /// A particle left the domain although the scene forbids it.
-    #[error("particle {identity} of {material} left the domain at ({}) mm from patch {patch}, task Relocate, t = {time:.6e} s ({others} more in this step). Enlarge the domain, or set run.leaving = \"delete\"", millimeters(position))]
+    #[error(
+        "particle {identity} of {material} left the domain at ({}) mm from patch {patch}, task Relocate, t = {time:.6e} s ({others} more in this step). Enlarge the domain, or set run.leaving = \"delete\"",
+        millimeters(position)
+    )]
     Left {
         /// The particle.
         identity: u64,
@@ -72,7 +80,9 @@ pub enum RunError {
         others: usize,
     },
     /// The stable step is too small to go on.
-    #[error("the time step collapsed to {step:.3e} s at t = {time:.6e} s, step {number}: a signal of {speed:.3e} m/s in {material}. See where it comes from with more frames; lower run.cfl, add run.viscosity, or allow smaller steps with run.smallest-step")]
+    #[error(
+        "the time step collapsed to {step:.3e} s at t = {time:.6e} s, step {number}: a signal of {speed:.3e} m/s in {material}. See where it comes from with more frames; lower run.cfl, add run.viscosity, or allow smaller steps with run.smallest-step"
+    )]
     Collapsed {
         /// The step [s].
         step: f64,
@@ -109,7 +119,17 @@ pub fn find(scene: &Scene, warehouse: &Warehouse, time: f64, step: u64) -> Optio
     let node = warehouse.level.base_node(position, warehouse.materials[material].half_size);
     let patch = warehouse.decomposition.owner(Level::block_of(node)).unwrap_or(0);
     let material = scene.materials[material].name.clone();
-    Some(RunError::Particle { what, identity: identity as u64, material, position, patch, task, time, step, remedy })
+    Some(RunError::Particle {
+        what,
+        identity: identity as u64,
+        material,
+        position,
+        patch,
+        task,
+        time,
+        step,
+        remedy,
+    })
 }
 
 /// The error of a particle that left.

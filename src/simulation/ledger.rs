@@ -145,7 +145,9 @@ impl Ledger {
         (0..3).for_each(|a| self.boundary_impulse[a] += boundary[1 + a].value());
         for (material, known) in self.first_failure.iter_mut().enumerate() {
             let lines: [Wide; 2] = shared.get(LabelId::FirstFailure, material);
-            for (known, line) in known.iter_mut().zip(lines).filter(|(k, line)| k.is_none() && line.0[0].is_finite()) {
+            for (known, line) in
+                known.iter_mut().zip(lines).filter(|(k, line)| k.is_none() && line.0[0].is_finite())
+            {
                 let [time, particle, x, y, z, ..] = line.0;
                 *known = Some(FirstFailure { time, particle: particle as u64, position: [x, y, z] });
             }

@@ -130,7 +130,8 @@ impl Simulation {
 
     /// Whether the end of the run is reached.
     pub fn finished(&self) -> bool {
-        self.clock().time >= self.scene.run.until || self.scene.run.steps.is_some_and(|most| self.steps >= most)
+        self.clock().time >= self.scene.run.until
+            || self.scene.run.steps.is_some_and(|most| self.steps >= most)
     }
 
     /// Time and step size.

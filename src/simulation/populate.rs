@@ -89,7 +89,12 @@ fn material_data(scene: &Scene, graph: &TaskGraph, material: usize) -> MaterialD
     }
 }
 
-fn add_body(scene: &Scene, body: &Body, warehouse: &mut Warehouse, identity: &mut u64) -> Result<(), RunError> {
+fn add_body(
+    scene: &Scene,
+    body: &Body,
+    warehouse: &mut Warehouse,
+    identity: &mut u64,
+) -> Result<(), RunError> {
     let material = &scene.materials[body.material];
     let layout = warehouse.materials[body.material].layout.clone();
     let volume = lattice::particle_volume(scene, body);

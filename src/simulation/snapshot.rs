@@ -63,11 +63,14 @@ impl Frame for Snapshot<'_> {
     }
 
     fn positions(&self) -> Vec<[f32; 3]> {
-        self.collect(|_, layout, block, p| [0, 1, 2].map(|a| block.get(layout, LabelId::Position, p, a) as f32))
+        self.collect(|_, layout, block, p| {
+            [0, 1, 2].map(|a| block.get(layout, LabelId::Position, p, a) as f32)
+        })
     }
 
     fn fields(&self) -> Vec<Field> {
-        let field = |name: &str, unit: &str, components| Field { name: name.into(), unit: unit.into(), components };
+        let field =
+            |name: &str, unit: &str, components| Field { name: name.into(), unit: unit.into(), components };
         let mut fields = vec![
             field("velocity", "m/s", 3),
             field("volume_ratio", "1", 1),

@@ -1,6 +1,4 @@
-use crate::data::labels::{
-    BlockExtent, Position, ReferencePosition, RigidMotion, SignalSpeed, Velocity,
-};
+use crate::data::labels::{BlockExtent, Position, ReferencePosition, RigidMotion, SignalSpeed, Velocity};
 use crate::graph::task::{At, Body};
 use crate::simd::{LANES, Simd};
 

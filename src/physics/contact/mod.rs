@@ -16,15 +16,13 @@ pub struct Pair {
     pub traction: f64,
 }
 
-/// What a contact law answers.
+/// What a contact law answers: impulses on a; b receives the opposite [N s].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Exchange {
-    /// Impulse on a; b receives the opposite [N s].
-    pub impulse: [f64; 3],
-    /// Kinetic energy that goes into friction [J].
-    pub friction: f64,
-    /// Kinetic energy that is lost because the surfaces do not bounce within a node [J].
-    pub impact: f64,
+    /// Along the normal.
+    pub normal: [f64; 3],
+    /// Across it.
+    pub friction: [f64; 3],
 }
 
 /// a · b
@@ -34,15 +32,11 @@ pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Pair {
-    /// The exchange that changes the relative velocity by −`normal_part` along the normal and −`tangential`.
-    fn exchange(&self, normal_part: f64, tangential: [f64; 3]) -> Exchange {
-        let impulse =
-            std::array::from_fn(|a| -self.reduced_mass * (normal_part * self.normal[a] + tangential[a]));
-        // energy lost: impulse times mean relative velocity, split by direction
-        let along = dot(self.relative, self.normal);
-        let impact = self.reduced_mass * normal_part * (along - 0.5 * normal_part);
-        let slip: [f64; 3] =
-            std::array::from_fn(|a| self.relative[a] - along * self.normal[a] - 0.5 * tangential[a]);
-        Exchange { impulse, friction: self.reduced_mass * dot(tangential, slip), impact }
+    /// The exchange that changes the relative velocity by −`along` n and by −`across`.
+    fn exchange(&self, along: f64, across: [f64; 3]) -> Exchange {
+        Exchange {
+            normal: self.normal.map(|n| -self.reduced_mass * along * n),
+            friction: across.map(|v| -self.reduced_mass * v),
+        }
     }
 }

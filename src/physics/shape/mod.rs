@@ -111,9 +111,7 @@ pub fn classes(tiles: &[Stencil], count: usize) -> [u64; 8] {
     let bits = |axis: usize| tiles.iter().rev().fold(0, |bits, tile| bits << 8 | tile.third[axis]);
     let [x, y, z] = [bits(0), bits(1), bits(2)];
     let pick = |bits: u64, wanted: bool| if wanted { bits } else { !bits };
-    std::array::from_fn(|c| {
-        everyone & pick(x, c & 1 != 0) & pick(y, c & 2 != 0) & pick(z, c & 4 != 0)
-    })
+    std::array::from_fn(|c| everyone & pick(x, c & 1 != 0) & pick(y, c & 2 != 0) & pick(z, c & 4 != 0))
 }
 
 /// Runs `body` for each particle of up to eight tiles with its number of nodes per axis as constants: the

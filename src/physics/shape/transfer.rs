@@ -33,8 +33,7 @@ pub fn scatter<S: Simd, const X: usize, const Y: usize, const Z: usize>(
     let [gx0, gx2] = outer::<S>(&stencil.gradient[0], lane);
     let [gy0, gy2] = outer::<S>(&stencil.gradient[1], lane);
     let [gz0, gz2] = outer::<S>(&stencil.gradient[2], lane);
-    let middle =
-        |all: S, first: S, last: S, n: usize| all - if n == 3 { first + last } else { first };
+    let middle = |all: S, first: S, last: S, n: usize| all - if n == 3 { first + last } else { first };
 
     let (a0, y0, z0) = (S::blend_force(wx0, gx0) * ax, wx0 * ty, wx0 * tz);
     let (a2, y2, z2) = (S::blend_force(wx2, gx2) * ax, wx2 * ty, wx2 * tz);

@@ -1,0 +1,39 @@
+use crate::data::labels::{ContactImpulse, ContactWork, NodeMotion};
+use crate::graph::task::{At, Body};
+use crate::physics::contact::dot;
+use crate::simd::{Simd, Wide};
+
+/// Energy that contact takes: − Σ J · (v⁰ + v)/2 over nodes and materials, with J all impulse of the step, v⁰ and v
+/// the velocities at its start and end.
+///
+/// Measured against the motion of the whole step, because a surface that is merely pressed against another is
+/// pushed in by its stress and back by contact within every step: neither is work.
+pub struct ContactPower;
+
+crate::task! { Nodes task ContactPower {
+    requires new { impulse: ContactImpulse, motion: NodeMotion }
+    computes { work: ContactWork }
+}}
+
+impl Body for ContactPower {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        if at.present.len() < 2 {
+            return;
+        }
+        let (mut friction, mut impact) = (0.0, 0.0);
+        for (impulse, motion) in io.impulse.iter().zip(io.motion.iter()) {
+            let mean = mean_velocity(motion);
+            impact -= dot([impulse.0[0], impulse.0[1], impulse.0[2]], mean);
+            friction -= dot([impulse.0[4], impulse.0[5], impulse.0[6]], mean);
+        }
+        io.work[0][0].add(friction);
+        io.work[0][1].add(impact);
+    }
+}
+
+/// (v⁰ + v)/2 of a node.
+#[inline(always)]
+pub fn mean_velocity(motion: &Wide) -> [f64; 3] {
+    std::array::from_fn(|a| motion.0[a] - 0.5 * motion.0[4 + a])
+}
