@@ -49,6 +49,12 @@ pub struct Events {
     pub frozen: Mask,
 }
 
+/// Lanes whose volume ratio is not positive and finite.
+#[inline(always)]
+pub fn inadmissible<S: Simd>(j: S) -> Mask {
+    !(S::splat(0.0).lt(j) & j.lt(S::splat(f64::INFINITY)))
+}
+
 /// Energy densities of eight particles, per reference volume [J/m³].
 #[derive(Clone, Copy)]
 pub struct Energies<S> {

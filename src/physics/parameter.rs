@@ -1,4 +1,5 @@
 //! How a law describes its parameters, so that scenes are read, checked and documented from one table.
+use super::materials::AnyLaw;
 use std::collections::BTreeMap;
 
 /// Physical dimension of a number, with its SI unit.
@@ -99,6 +100,28 @@ impl Parameter {
         Self { key, kind, meaning }
     }
 
+    /// A number above zero with a default.
+    pub const fn positive_or(
+        key: &'static str,
+        dimension: Dimension,
+        default: f64,
+        meaning: &'static str,
+    ) -> Self {
+        let default = Some(default);
+        let kind = Kind::Number { dimension, least: 0.0, open_below: true, most: f64::INFINITY, default };
+        Self { key, kind, meaning }
+    }
+
+    /// One of several words; the first is the default.
+    pub const fn choice(key: &'static str, words: &'static [&'static str], meaning: &'static str) -> Self {
+        Self { key, kind: Kind::Choice(words), meaning }
+    }
+
+    /// true or false, with the default.
+    pub const fn flag(key: &'static str, default: bool, meaning: &'static str) -> Self {
+        Self { key, kind: Kind::Flag(default), meaning }
+    }
+
     /// A number of at least `least`, with a default (`None`: the scene must give it).
     pub const fn at_least(
         key: &'static str,
@@ -141,8 +164,8 @@ impl Values {
     }
 }
 
-/// A law that can be written in a scene.
-pub trait Described: Sized {
+/// A law, or a family of laws, that can be written in a scene.
+pub trait Described {
     /// The word after `law =`.
     const NAME: &'static str;
     /// What it models, with its source.
@@ -153,5 +176,5 @@ pub trait Described: Sized {
     ///
     /// # Errors
     /// Values that are each in range but not together: (key to blame, message).
-    fn build(values: &Values) -> Result<Self, (&'static str, String)>;
+    fn build(values: &Values) -> Result<AnyLaw, (&'static str, String)>;
 }

@@ -1,5 +1,7 @@
 //! Constitutive laws, one file each, and their registry.
+pub mod j2;
 pub mod neo_hookean;
+pub mod tissue;
 
 use super::law::Law;
 use super::parameter::{Described, Parameter, Values};
@@ -25,7 +27,8 @@ pub struct Entry {
     pub build: fn(&Values) -> Result<AnyLaw, (&'static str, String)>,
 }
 
-/// One line a law: variant, type, and (after `=>`) the described parameter set that it is chosen by.
+/// `laws`: one line a type (a variant of [`AnyLaw`]). `described`: one line a word of the scene; its
+/// parameters may choose among several of the types.
 macro_rules! registry {
     (laws { $($variant:ident($law:ty),)* } described { $($described:ty,)* }) => {
         /// A law chosen by a scene.
@@ -48,7 +51,7 @@ macro_rules! registry {
             name: <$described>::NAME,
             summary: <$described>::SUMMARY,
             parameters: <$described>::PARAMETERS,
-            build: |values| <$described>::build(values).map(Into::into),
+            build: <$described>::build,
         }),*];
     };
 }
@@ -56,8 +59,13 @@ macro_rules! registry {
 registry! {
     laws {
         NeoHookean(neo_hookean::NeoHookean),
+        J2(j2::J2),
+        Tissue(tissue::Tissue<tissue::NoFailure>),
+        FailingTissue(tissue::Tissue<tissue::TwoSurface>),
     }
     described {
         neo_hookean::NeoHookean,
+        j2::J2,
+        tissue::Family,
     }
 }

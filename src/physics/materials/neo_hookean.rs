@@ -1,10 +1,13 @@
 //! Compressible neo-Hookean elasticity.
-use crate::physics::law::{Energies, Events, Kinematics, Law, Response, Variable};
+use super::AnyLaw;
+use crate::physics::acoustic::Stiffness;
+use crate::physics::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
 use crate::physics::parameter::{Described, Dimension, Parameter, Values};
-use crate::physics::tensor::{times_transpose, trace};
+use crate::physics::tensor::{deviator_invariants, times_transpose, trace};
 use crate::simd::{Simd, math};
 
-/// Placeholder-free first form; see `Described::SUMMARY`.
+/// W = μ/2 (tr b̃ − 3) + K/2 (½ (J² − 1) − ln J), b̃ = J^(−2/3) F Fᵀ
+/// (Simo & Hughes, *Computational Inelasticity*, 1998, eqs. 9.2.3 and 9.2.6). [`J2`](super::j2::J2) adds yielding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeoHookean {
     /// Bulk modulus K [Pa].
@@ -13,15 +16,48 @@ pub struct NeoHookean {
     pub shear: f64,
 }
 
+impl NeoHookean {
+    /// Response to an isochoric elastic deformation b̃ and the volume ratio J.
+    #[inline(always)]
+    pub(super) fn respond<S: Simd>(&self, b: &[S; 6], j: S) -> Response<S> {
+        let (mean, j2, _) = deviator_invariants(b);
+        let (shear, half) = (S::splat(self.shear), S::splat(0.5 * self.bulk));
+        let pressure = half * j.fms(j, S::splat(1.0));
+        let normal = |i: usize| shear.fma(b[i] - mean, pressure);
+        let kirchhoff = [normal(0), shear * b[1], shear * b[2], normal(3), shear * b[4], normal(5)];
+        let volumetric = half * j.fma(j, S::splat(1.0));
+        let zero = S::splat(0.0);
+        let stiffness = Stiffness { volumetric, shear, mean, j2, fiber_stress: zero, fiber_slope: zero };
+        let events = Events { inverted: inadmissible(j), ..Events::default() };
+        Response { kirchhoff, modulus: stiffness.bound(), events }
+    }
+
+    /// W [J/m³] of b̃ and J.
+    #[inline(always)]
+    pub(super) fn energy<S: Simd>(&self, b: &[S; 6], j: S) -> S {
+        let volumetric = S::splat(0.5).fma(j.fms(j, S::splat(1.0)), -math::ln(j));
+        let isochoric = S::splat(0.5 * self.shear) * (trace(b) - S::splat(3.0));
+        S::splat(0.5 * self.bulk).fma(volumetric, isochoric)
+    }
+}
+
+/// b̃ = J^(−2/3) F Fᵀ
+#[inline(always)]
+fn isochoric<S: Simd>(k: &Kinematics<S>) -> [S; 6] {
+    let scale = math::exp(math::ln(k.j) * S::splat(-2.0 / 3.0));
+    times_transpose(&k.f).map(|b| scale * b)
+}
+
 impl Described for NeoHookean {
     const NAME: &'static str = "neo-hookean";
-    const SUMMARY: &'static str = "W = μ/2 (Ĩ₁ − 3) + K/2 (½(J² − 1) − ln J) (Simo & Hughes 1998, eq. 9.2.3)";
+    const SUMMARY: &'static str = "Compressible neo-Hookean elasticity, W = μ/2 (Ĩ₁ − 3) + K/2 (½ (J² − 1) − ln J) (Simo & Hughes 1998, section 9.2)";
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::positive("bulk-modulus", Dimension::Stress, "K"),
-        Parameter::positive("shear-modulus", Dimension::Stress, "μ"),
+        Parameter::positive("bulk-modulus", Dimension::Stress, "bulk modulus K"),
+        Parameter::positive("shear-modulus", Dimension::Stress, "shear modulus μ"),
     ];
-    fn build(values: &Values) -> Result<Self, (&'static str, String)> {
-        Ok(Self { bulk: values.number("bulk-modulus"), shear: values.number("shear-modulus") })
+    fn build(values: &Values) -> Result<AnyLaw, (&'static str, String)> {
+        let law = Self { bulk: values.number("bulk-modulus"), shear: values.number("shear-modulus") };
+        Ok(law.into())
     }
 }
 
@@ -32,27 +68,13 @@ impl Law for NeoHookean {
 
     #[inline(always)]
     fn update<S: Simd>(&self, k: &Kinematics<S>, _history: &mut [S]) -> Response<S> {
-        let b = times_transpose(&k.f);
-        let scale = math::exp(math::ln(k.j) * S::splat(-2.0 / 3.0)) * S::splat(self.shear);
-        let mean = trace(&b) * S::splat(1.0 / 3.0);
-        let half = S::splat(0.5 * self.bulk);
-        let pressure = half * k.j.fms(k.j, S::splat(1.0));
-        let normal = |i: usize| scale.fma(b[i] - mean, pressure);
-        let kirchhoff = [normal(0), scale * b[1], scale * b[2], normal(3), scale * b[4], normal(5)];
-        let modulus = half * k.j.fma(k.j, S::splat(1.0)) + scale * trace(&b);
-        let inverted = !S::splat(0.0).lt(k.j);
-        Response { kirchhoff, modulus, events: Events { inverted, ..Events::default() } }
+        self.respond(&isochoric(k), k.j)
     }
 
     #[inline(always)]
     fn energies<S: Simd>(&self, k: &Kinematics<S>, _history: &[S]) -> Energies<S> {
         let zero = S::splat(0.0);
-        let ln_j = math::ln(k.j);
-        let i1 = trace(&times_transpose(&k.f)) * math::exp(ln_j * S::splat(-2.0 / 3.0));
-        let volumetric =
-            S::splat(0.5).fma(k.j.fms(k.j, S::splat(1.0)), zero - ln_j) * S::splat(0.5 * self.bulk);
-        let strain = S::splat(0.5 * self.shear).fma(i1 - S::splat(3.0), volumetric);
-        Energies { strain, plastic: zero, fracture: zero }
+        Energies { strain: self.energy(&isochoric(k), k.j), plastic: zero, fracture: zero }
     }
 
     fn moduli(&self) -> (f64, f64) {

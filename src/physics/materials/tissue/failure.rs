@@ -1,0 +1,220 @@
+//! When tissue fails, as types: the criterion is compiled into the law.
+use super::{State, Terms};
+use crate::physics::law::{Events, Kinematics, Variable, inadmissible};
+use crate::physics::tensor::{determinant, solve};
+use crate::simd::{Mask, Simd};
+
+/// Which terms of the energy still act.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Present {
+    /// The matrix.
+    pub matrix: Mask,
+    /// The fibers.
+    pub fiber: Mask,
+    /// The volume term.
+    pub volume: Mask,
+}
+
+impl Present {
+    /// All terms in all lanes.
+    const ALL: Self = Self { matrix: Mask::MAX, fiber: Mask::MAX, volume: Mask::MAX };
+
+    /// The terms of `self` that are not in `other`.
+    fn without(self, other: Self) -> Self {
+        Self {
+            matrix: self.matrix & !other.matrix,
+            fiber: self.fiber & !other.fiber,
+            volume: self.volume & !other.volume,
+        }
+    }
+}
+
+/// What a criterion found.
+#[derive(Clone, Copy)]
+pub struct Verdict {
+    /// What still acts after the step.
+    pub present: Present,
+    /// What happened in the step.
+    pub events: Events,
+}
+
+/// A failure criterion. Its history follows the three numbers of the fiber.
+pub trait Failure: Copy + Send + Sync + 'static {
+    /// Fiber direction and the numbers of the criterion.
+    const HISTORY: &'static [Variable];
+
+    /// Judges the step. `stored(F, J)` are the energies of all terms; it is dear.
+    fn judge<S: Simd>(
+        &self,
+        state: &State<S>,
+        k: &Kinematics<S>,
+        history: &mut [S],
+        stored: impl Fn(&[S; 9], S) -> Terms<S>,
+    ) -> Verdict;
+
+    /// What acts at a volume ratio J.
+    fn present<S: Simd>(&self, j: S, history: &[S]) -> Present;
+
+    /// Energy released so far [J/m³].
+    fn released<S: Simd>(&self, history: &[S]) -> S;
+}
+
+/// Tissue that never fails.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoFailure;
+
+impl Failure for NoFailure {
+    const HISTORY: &'static [Variable] = &[FIBER[0], FIBER[1], FIBER[2]];
+
+    #[inline(always)]
+    fn judge<S: Simd>(
+        &self,
+        state: &State<S>,
+        _: &Kinematics<S>,
+        _: &mut [S],
+        _: impl Fn(&[S; 9], S) -> Terms<S>,
+    ) -> Verdict {
+        let events = Events { inverted: inadmissible(state.j), ..Events::default() };
+        Verdict { present: Present::ALL, events }
+    }
+    #[inline(always)]
+    fn present<S: Simd>(&self, _: S, _: &[S]) -> Present {
+        Present::ALL
+    }
+    #[inline(always)]
+    fn released<S: Simd>(&self, _: &[S]) -> S {
+        S::splat(0.0)
+    }
+}
+
+/// One surface for the matrix, one for the fibers (Ionescu et al. 2006, eqs. 6–8). What failed stays failed.
+///
+/// The matrix fails at (E₁ − E₃)/2 ≥ γ, with E₁ and E₃ the largest and the smallest principal value of the
+/// Green-Lagrange strain; its term and the volume term go. The fibers fail at λ − 1 ≥ ε, with the total
+/// stretch λ, whereas their stress follows from λ̃. A particle without any term left is frozen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoSurface {
+    /// Fibers fail at λ ≥ 1 + ε.
+    pub stretch: f64,
+    /// The matrix fails at c₁ − c₃ ≥ this, with principal values of C = 2 E + I: 4 γ.
+    pub span: f64,
+    /// Lanes (all or none) in which the volume term outlives the matrix while J < 1; the paper: none.
+    pub keeps_pressure: Mask,
+    /// Lanes (all or none) in which an inadmissible J is total failure; in the others it is an error.
+    pub crushes: Mask,
+}
+
+/// The history `failure`, as masks. Its values: 0 intact, 1 matrix, 2 fibers, 3 both, 4 crushed (J ≤ 0).
+#[derive(Clone, Copy)]
+struct Failed {
+    matrix: Mask,
+    fiber: Mask,
+    crushed: Mask,
+}
+
+impl Failed {
+    #[inline(always)]
+    fn from_code<S: Simd>(code: S) -> Self {
+        let from = |least: f64| code.ge(S::splat(least));
+        Self { matrix: from(1.0) & !from(2.0) | from(3.0), fiber: from(2.0), crushed: from(4.0) }
+    }
+    #[inline(always)]
+    fn code<S: Simd>(self) -> S {
+        let digit = |mask: Mask, value: f64| S::select(mask, S::splat(value), S::splat(0.0));
+        digit(self.matrix, 1.0) + digit(self.fiber, 2.0) + digit(self.crushed, 1.0)
+    }
+}
+
+impl TwoSurface {
+    /// Lanes in which the matrix is sheared too far.
+    ///
+    /// With the differences d of the principal values of C (or of b, which has the same), J₂ and J₃ of its
+    /// deviator, and T the limit of the largest: Π (d² − T²) = 4 J₂³ − 27 J₃² − 9 J₂² T² + 6 J₂ T⁴ − T⁶.
+    /// The squares sum to 6 J₂, and the largest is within 3 J₂ and 4 J₂, so the others are at most 3 J₂.
+    /// Where 3 J₂ < T² the product has therefore the sign of d_max² − T²: no eigenvalue is needed.
+    #[inline(always)]
+    fn sheared<S: Simd>(&self, state: &State<S>) -> Mask {
+        let splat = S::splat;
+        // invariants of b = J^(2/3) b̃ over powers of T
+        let scale = splat(1.0) / (splat(self.span) * state.root * state.root);
+        let j2 = scale * scale * state.j2;
+        let j3 = scale * scale * scale * state.j3;
+        let cubic = splat(4.0).fma(j2, splat(-9.0)).fma(j2, splat(6.0)).fma(j2, splat(-1.0));
+        let product = (splat(-27.0) * j3).fma(j3, cubic);
+        j2.ge(splat(1.0 / 3.0)) | j2.ge(splat(0.25)) & product.ge(splat(0.0))
+    }
+
+    /// What acts at a volume ratio J.
+    #[inline(always)]
+    fn terms_left<S: Simd>(&self, failed: Failed, j: S) -> Present {
+        let squeezed = j.lt(S::splat(1.0)) & self.keeps_pressure & !failed.crushed;
+        Present { matrix: !failed.matrix, fiber: !failed.fiber, volume: !failed.matrix | squeezed }
+    }
+
+    /// Lanes that can never again carry stress.
+    #[inline(always)]
+    fn frozen(&self, failed: Failed) -> Mask {
+        failed.crushed | failed.matrix & failed.fiber & !self.keeps_pressure
+    }
+}
+
+impl Failure for TwoSurface {
+    const HISTORY: &'static [Variable] = &[
+        FIBER[0],
+        FIBER[1],
+        FIBER[2],
+        Variable { name: "failure", unit: "1" },
+        Variable { name: "fracture_energy", unit: "J/m^3" },
+    ];
+
+    #[inline(always)]
+    fn judge<S: Simd>(
+        &self,
+        state: &State<S>,
+        k: &Kinematics<S>,
+        history: &mut [S],
+        stored: impl Fn(&[S; 9], S) -> Terms<S>,
+    ) -> Verdict {
+        let was = Failed::from_code(history[0]);
+        let was_frozen = self.frozen(was);
+        let bad = inadmissible(state.j);
+        let crushed = bad & self.crushes & !was_frozen;
+        let sound = !(bad | was_frozen);
+        let torn = state.stretch.ge(S::splat(self.stretch));
+        let now = Failed {
+            matrix: was.matrix | self.sheared(state) & sound | crushed,
+            fiber: was.fiber | torn & sound | crushed,
+            crushed: was.crushed | crushed,
+        };
+        let matrix_failed = now.matrix & !was.matrix;
+        let fiber_failed = now.fiber & !was.fiber;
+        let frozen = self.frozen(now);
+        if matrix_failed | fiber_failed | crushed != 0 {
+            // a crushed particle releases what it held before the step, if that can be known
+            let old = solve(&k.increment, &k.f);
+            let f: [S; 9] = std::array::from_fn(|i| S::select(crushed, old[i], k.f[i]));
+            let j = S::select(crushed, determinant(&old), k.j);
+            let lost = self.terms_left(was, j).without(self.terms_left(now, j));
+            let released = S::select(inadmissible(j) | was_frozen, S::splat(0.0), stored(&f, j).sum(lost));
+            history[0] = now.code();
+            history[1] = history[1] + released;
+        }
+        let events = Events { matrix_failed, fiber_failed, inverted: bad & !frozen, frozen };
+        Verdict { present: self.terms_left(now, state.j), events }
+    }
+    #[inline(always)]
+    fn present<S: Simd>(&self, j: S, history: &[S]) -> Present {
+        self.terms_left(Failed::from_code(history[0]), j)
+    }
+    #[inline(always)]
+    fn released<S: Simd>(&self, history: &[S]) -> S {
+        history[1]
+    }
+}
+
+/// History of the fiber: the unit vector a₀.
+const FIBER: [Variable; 3] = [
+    Variable { name: "fiber_x", unit: "1" },
+    Variable { name: "fiber_y", unit: "1" },
+    Variable { name: "fiber_z", unit: "1" },
+];
