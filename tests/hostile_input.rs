@@ -35,6 +35,29 @@ x-min = "fixed"
 until = "1 ms"
 "#;
 
+/// What the good scene does not use.
+const MORE: &str = r#"
+patches = 2
+steps = 9
+viscosity = {}
+[output.wound]
+target = "soft"
+projectile = "hard"
+axis = "+x"
+entry = 0
+exit = 0.1
+center = [0, 0]
+[load]
+gravity = [0, 0, 0]
+[[drive]]
+material = "soft"
+velocity = [[0, 0, 0, 0], [1, 0, 0, 0]]
+[drive.region.rotate]
+axis = [1, 0, 0]
+angle = 1
+shape = { cone = { start = [0, 0, 0], end = [1, 0, 0], start-radius = 1, end-radius = 2 } }
+"#;
+
 /// The error of a scene, as people see it, and its line.
 fn refused(text: &str, overrides: &[(String, String)]) -> (String, Option<usize>) {
     match read_text("scene.toml", text, overrides, Some(1 << 30)) {
@@ -213,6 +236,53 @@ fn materials_and_contacts() {
     check("\"free\"", "\"free\"\nvelocity = [1, 0, 0]", "[1, 0, 0]", &["no meaning for a free motion"]);
     check("\"free\"", "\"prescribed\"", "-1 m/s", &["is prescribed", "material.hard.velocity"]);
     check("friction = 0.1", "friction = -0.1", "-0.1", &["contact.0.friction", "at least 0"]);
+}
+
+#[test]
+fn laws_state_the_ranges_of_their_parameters() {
+    let tissue =
+        "law = \"tissue\"\nc1 = \"2.1 kPa\"\nc3 = \"0.14 kPa\"\nc4 = 22\nc5 = \"100 kPa\"\nlambda-star = 0.9";
+    let text = GOOD.replace("law = \"neo-hookean\"", tissue).replace("shear-modulus = \"50 kPa\"", "");
+    let (report, line) = refused(&text, &[]);
+    assert!(report.contains("`material.soft.lambda-star` is 0.9, but must be at least 1"), "{report}");
+    assert_eq!(line, Some(12));
+    check("[material.soft]", "[material.\"so/ft\"]", "so/ft", &["cannot name a material"]);
+}
+
+/// Whatever stands at a key, the scene is read or refused, at once and without a panic.
+#[test]
+fn nothing_panics() {
+    let values = [
+        "-1",
+        "0",
+        "1e-9",
+        "1e300",
+        "-1e308",
+        "inf",
+        "nan",
+        "9223372036854775807",
+        "x",
+        "\"\"",
+        "\"1 mm\"",
+        "[]",
+        "[[]]",
+        "[1, 2, 3]",
+        "[[0, 1, 2, 3]]",
+        "[1e300, 1e300, 1e300]",
+        "{}",
+        "{ a = 1 }",
+        "1979-05-27",
+        "true",
+        "",
+    ];
+    let everything = &format!("{GOOD}{MORE}");
+    let scene =
+        read_text("all", everything, &[], None).unwrap_or_else(|e| panic!("{:?}", miette::Report::new(e)));
+    for key in scene.lines.keys() {
+        for value in values {
+            let _ = read_text("all", everything, &[(key.clone(), value.to_owned())], Some(1 << 30));
+        }
+    }
 }
 
 #[test]
