@@ -11,6 +11,12 @@ use crate::physics::parameter::{Kind, Values};
 /// The scene of a completed document, without `name`, `lines` and `resolved`.
 pub(super) fn scene(root: &Node) -> Outcome<Scene> {
     let named = root.get("material").entries();
+    let is_name =
+        |key: &str| key.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)) && !key.is_empty();
+    if let Some(entry) = named.iter().find(|entry| !is_name(&entry.key)) {
+        return Err(Fault::new(entry.place, format!("{:?} cannot name a material", entry.key))
+            .help("use letters, digits, `-` and `_`: the name is used in files and dotted keys"));
+    }
     let materials = named.iter().map(|e| material(&e.key, &e.node)).collect::<Outcome<Vec<_>>>()?;
     let load = root.get("load");
     Ok(Scene {
@@ -44,7 +50,7 @@ fn domain(given: &Node) -> Outcome<Domain> {
         let exact = (upper[a] - lower[a]) / cell;
         let whole = exact.round();
         let place = given.get("upper").items()[a].place;
-        if exact <= 0.0 {
+        if exact.is_nan() || exact <= 0.0 {
             let message = format!("the domain is empty: along {axis}, `upper` is not above `lower`");
             return Err(Fault::new(place, message).help("swap the corners or enlarge the domain"));
         }

@@ -103,13 +103,13 @@ fn number(node: &Node, range: &Range, path: &str) -> Outcome<f64> {
         })?,
         _ => return Err(wrong_type(node, &Form::Number(*range), path)),
     };
-    // A default may be infinite (no limit); what a scene gives may only repeat it.
-    let fits = if node.given { value.is_finite() || value == range.most } else { !value.is_nan() };
+    let fits = if node.given { value.is_finite() } else { !value.is_nan() }; // a default may be "no limit"
     if fits && range.contains(value) {
         return Ok(value);
     }
     let wanted = range.words().unwrap_or_else(|| "a finite number".into());
-    Err(Fault::new(node.place, format!("`{path}` is {value}, but must be {wanted}")).label("out of range"))
+    Err(Fault::new(node.place, format!("`{path}` is {}, but must be {wanted}", range.show(value)))
+        .label("out of range"))
 }
 
 fn count(n: i64, range: Counts, place: Place, path: &str) -> Outcome<i64> {

@@ -202,7 +202,7 @@ impl Node {
         if let Data::Text(text) = &self.data { text } else { "" }
     }
 
-    /// The line of everything that the file gives, by dotted key.
+    /// The line of every key and table that the file gives, by dotted key.
     pub fn lines(&self, file: &Source) -> BTreeMap<String, usize> {
         let mut lines = BTreeMap::new();
         self.collect_lines("", file, &mut lines);
@@ -220,7 +220,8 @@ impl Node {
         match &self.data {
             Data::Table(entries) => entries.iter().for_each(|e| visit(&e.key, e.place, &e.node)),
             Data::List(items) => {
-                items.iter().enumerate().for_each(|(i, item)| visit(&i.to_string(), item.place, item));
+                let tables = items.iter().enumerate().filter(|(_, item)| matches!(item.data, Data::Table(_)));
+                tables.for_each(|(i, item)| visit(&i.to_string(), item.place, item));
             }
             _ => {}
         }

@@ -73,9 +73,13 @@ impl Page {
         self.line(&format!("{level} `{name}`\n\n{meaning}\n"));
         let form = if let Form::List(each) | Form::Named(each) = form { each } else { form };
         match form {
-            Form::Table(fields) | Form::Either { cases: fields, .. } => {
+            Form::Table(fields) => {
                 self.fields(fields);
                 self.nested(depth, name, fields);
+            }
+            Form::Either { cases, .. } => {
+                self.cases(cases);
+                self.nested(depth, name, cases);
             }
             Form::Tagged { tag, common, cases } => {
                 self.fields(common);
@@ -94,9 +98,19 @@ impl Page {
 
     fn nested(&mut self, depth: usize, parent: &str, fields: &[Field]) {
         for field in fields.iter().filter(|field| has_section(&field.form)) {
-            let name = format!("{} in {parent}", field.key).replace(['[', ']'], "");
+            let name = format!("{parent}.{}", field.key).replace(['[', ']'], "");
             self.section(depth + 1, &name, field.meaning, &field.form);
         }
+    }
+
+    /// Keys of which a table has exactly one.
+    fn cases(&mut self, cases: &[Field]) {
+        self.row(&["One of", "Meaning", "Accepts"]);
+        self.row(&["---", "---", "---"]);
+        for case in cases {
+            self.row(&[&format!("`{}`", case.key), case.meaning, &accepts(&case.form)]);
+        }
+        self.line("");
     }
 
     fn fields(&mut self, fields: &[Field]) {
@@ -160,6 +174,7 @@ fn default(field: &Field) -> String {
     match field.absent {
         Absent::Refused => "required".into(),
         Absent::Nothing => "absent".into(),
+        Absent::Empty if matches!(field.form, Form::List(_)) => "none".into(),
         Absent::Empty => "its defaults".into(),
         Absent::Number(x) => item(x),
         Absent::Count(n) | Absent::Three(n) => format!("`{n}`"),

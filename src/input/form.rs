@@ -148,17 +148,24 @@ impl Range {
         (if self.open_below { x > self.least } else { x >= self.least }) && x <= self.most
     }
 
+    /// A number with its SI unit.
+    pub fn show(&self, x: f64) -> String {
+        match self.dimension {
+            Dimension::One => x.to_string(),
+            _ if x == 0.0 => "0".into(),
+            dimension => format!("{x} {}", dimension.si()),
+        }
+    }
+
     /// The range in words; `None` if every number will do.
     pub fn words(&self) -> Option<String> {
-        let unit = match self.dimension {
-            Dimension::One => String::new(),
-            dimension => format!(" {}", dimension.si()),
-        };
-        let below = if self.open_below { "above" } else { "at least" };
+        let least =
+            format!("{} {}", if self.open_below { "above" } else { "at least" }, self.show(self.least));
+        let most = format!("at most {}", self.show(self.most));
         match (self.least.is_finite(), self.most.is_finite()) {
-            (true, true) => Some(format!("{below} {} and at most {}{unit}", self.least, self.most)),
-            (true, false) => Some(format!("{below} {}{unit}", self.least)),
-            (false, true) => Some(format!("at most {}{unit}", self.most)),
+            (true, true) => Some(format!("{least} and {most}")),
+            (true, false) => Some(least),
+            (false, true) => Some(most),
             (false, false) => None,
         }
     }

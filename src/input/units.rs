@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn wrong_units_are_named() {
-        let error = |text| parse(text, Dimension::Length).unwrap_err();
+        let error = |text| parse(text, Dimension::Length).expect_err("a wrong unit");
         assert!(error("0.5").contains("without a unit"));
         assert!(error("0.5 kPa").contains("unit of a stress"));
         assert!(error("0.5 furlong").contains("\"furlong\""));
