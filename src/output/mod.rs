@@ -3,6 +3,7 @@ mod error;
 pub mod frame;
 
 pub mod snapshot;
+pub mod space;
 
 pub mod vtkhdf;
 

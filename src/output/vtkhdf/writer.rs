@@ -2,6 +2,7 @@
 use super::name;
 use crate::output::error::{self, Error, Result};
 use crate::output::frame::{Field, Frame};
+use crate::output::space;
 use hdf5::types::{FixedAscii, VarLenUnicode};
 use hdf5::{Dataset, File, FileBuilder, Group, H5Type};
 use ndarray::ArrayView2;
@@ -11,6 +12,8 @@ use std::path::{Path, PathBuf};
 const CHUNK: usize = 65_536;
 /// Rows of a chunk of the tables with one row a frame.
 const TABLE_CHUNK: usize = 64;
+/// Bytes for what HDF5 keeps about the data.
+const SLACK: usize = 1 << 20;
 /// The cell kinds that VTK demands; only the first is filled.
 const TOPOLOGIES: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
 
@@ -34,6 +37,8 @@ impl Writer {
     /// # Errors
     /// If the file cannot be created.
     pub fn create(path: &Path) -> Result<Self> {
+        std::fs::File::create(path).map_err(error::io("create", path))?;
+        space::reserve(path, SLACK)?;
         let file = unlocked().create(path).map_err(error::hdf5("create", path))?;
         let writer = Self { path: path.into(), file, fields: Vec::new(), frames: 0, chunk: 0, next: 0 };
         writer.lay_out().and_then(|()| writer.file.flush()).map_err(error::hdf5("create", path))?;
@@ -71,7 +76,9 @@ impl Writer {
             );
             return Err(Error::Content { path: self.path.clone(), problem });
         }
-        self.add(frame, fields).map_err(error::hdf5("append a frame to", &self.path))
+        space::reserve(&self.path, room(frame.particles(), &fields))?;
+        self.add(frame, fields).map_err(error::hdf5("append a frame to", &self.path))?;
+        space::trim(&self.path, self.file.size())
     }
 
     /// Number of frames so far.
@@ -211,6 +218,14 @@ fn unlocked() -> FileBuilder {
     let mut builder = File::with_options();
     builder.with_fapl(|access| access.file_locking(false));
     builder
+}
+
+/// Bytes that a frame takes if nothing of it can be compressed.
+fn room(particles: usize, fields: &[Field]) -> usize {
+    let fixed = size_of::<[f32; 3]>() + size_of::<u64>() + size_of::<u8>();
+    let connectivity = 2 * size_of::<i64>();
+    let numbers: usize = fields.iter().map(|f| f.components).sum();
+    (particles + CHUNK.min(particles)) * (fixed + connectivity + numbers * size_of::<f32>()) + SLACK
 }
 
 /// A compressed dataset of any number of rows.
