@@ -1,2 +1,10 @@
 //! Files for people and for other programs.
+mod error;
 pub mod frame;
+pub mod history;
+pub mod snapshot;
+pub mod space;
+pub mod summary;
+pub mod vtkhdf;
+
+pub use error::{Error, Result};

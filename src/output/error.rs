@@ -1,0 +1,63 @@
+//! What can go wrong with an output file: which file, what happened, what to do.
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// A failed output file.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The operating system refused.
+    #[error("cannot {action} {}: {source}; {}", path.display(), remedy(source))]
+    Io {
+        /// What was tried, for example `write`.
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The HDF5 library refused.
+    #[error("cannot {action} {}: {source}; is the disk full, the folder writable, the file whole?", path.display())]
+    Hdf5 {
+        /// What was tried, for example `append a frame to`.
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// What the library said.
+        source: hdf5::Error,
+    },
+    /// The file is readable, but does not hold what is needed.
+    #[error("{}: {problem}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What is missing or wrong, and what to do.
+        problem: String,
+    },
+}
+
+/// A result with [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What a user can do about an error of the system.
+fn remedy(source: &io::Error) -> &'static str {
+    match source.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "free some space, or write elsewhere with --out"
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            "make the folder writable, or write elsewhere with --out"
+        }
+        ErrorKind::NotFound | ErrorKind::NotADirectory => "check that the folder exists",
+        _ => "check the path and the disk",
+    }
+}
+
+/// Names the file of a system error: `.map_err(io("write", path))`.
+pub(crate) fn io<'a>(action: &'static str, path: &'a Path) -> impl Fn(io::Error) -> Error + 'a {
+    move |source| Error::Io { action, path: path.into(), source }
+}
+
+/// Names the file of an HDF5 error.
+pub(crate) fn hdf5<'a>(action: &'static str, path: &'a Path) -> impl Fn(::hdf5::Error) -> Error + 'a {
+    move |source| Error::Hdf5 { action, path: path.into(), source }
+}

@@ -1,0 +1,130 @@
+//! `history.csv`: a row every few steps, for people with a spreadsheet and for plots.
+use super::error::{Result, io};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// What a column holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// What, with the material if it is one material's: `tissue.kinetic`.
+    pub name: String,
+    /// Unit as it is spelled in a name, `m_s` for m/s; empty for counts and words.
+    pub unit: &'static str,
+}
+
+impl Column {
+    /// A quantity of the whole run.
+    pub fn global(name: &str, unit: &'static str) -> Self {
+        Self { name: name.into(), unit }
+    }
+
+    /// A quantity of one material.
+    pub fn of(material: &str, name: &str, unit: &'static str) -> Self {
+        Self { name: format!("{material}.{name}"), unit }
+    }
+
+    /// The header: `tissue.kinetic_j`.
+    pub fn header(&self) -> String {
+        let separator = if self.unit.is_empty() { "" } else { "_" };
+        format!("{}{separator}{}", self.name, self.unit)
+    }
+}
+
+/// An entry of a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cell<'a> {
+    /// In the column's unit; written so that it reads back the same bits. NaN is an empty cell.
+    Number(f64),
+    /// A count.
+    Count(u64),
+    /// For example what limits the step.
+    Text(&'a str),
+}
+
+impl From<f64> for Cell<'_> {
+    fn from(number: f64) -> Self {
+        Cell::Number(number)
+    }
+}
+
+impl From<u64> for Cell<'_> {
+    fn from(count: u64) -> Self {
+        Cell::Count(count)
+    }
+}
+
+impl<'a> From<&'a str> for Cell<'a> {
+    fn from(text: &'a str) -> Self {
+        Cell::Text(text)
+    }
+}
+
+impl Cell<'_> {
+    fn text(&self) -> String {
+        match *self {
+            Cell::Number(x) if x.is_nan() => String::new(),
+            Cell::Number(x) if x != 0.0 && !(1e-3..1e6).contains(&x.abs()) => format!("{x:e}"),
+            Cell::Number(x) => x.to_string(),
+            Cell::Count(n) => n.to_string(),
+            Cell::Text(text) => quoted(text),
+        }
+    }
+}
+
+/// A comma, a quote or a line break inside an entry needs quotes around it (RFC 4180).
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        return format!("\"{}\"", text.replace('"', "\"\""));
+    }
+    text.into()
+}
+
+/// Writes `history.csv` row by row; each row is on the disk when [`History::row`] returns.
+#[derive(Debug)]
+pub struct History {
+    path: PathBuf,
+    file: BufWriter<File>,
+    columns: usize,
+}
+
+impl History {
+    /// A new file with its header; an old one of that name is overwritten.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn create(path: &Path, columns: &[Column]) -> Result<Self> {
+        let file = File::create(path).map_err(io("create", path))?;
+        let mut history = Self { path: path.into(), file: BufWriter::new(file), columns: columns.len() };
+        history.line(columns.iter().map(|column| quoted(&column.header())))?;
+        Ok(history)
+    }
+
+    /// Goes on with a file after a restart: keeps the rows whose first column, the time [s], is at most `time`.
+    ///
+    /// # Errors
+    /// If the file cannot be read or written.
+    pub fn resume(path: &Path, columns: &[Column], time: f64) -> Result<Self> {
+        let old = std::fs::read_to_string(path).map_err(io("read", path))?;
+        let mut history = Self::create(path, columns)?;
+        let early = |line: &&str| line.split(',').next().and_then(|t| t.parse().ok()).is_some_and(|t: f64| t <= time);
+        for line in old.lines().skip(1).filter(early) {
+            history.line([line.to_string()].into_iter())?;
+        }
+        Ok(history)
+    }
+
+    /// Writes a row: one cell a column, in the order of the columns.
+    ///
+    /// # Errors
+    /// If the disk is full.
+    pub fn row(&mut self, cells: &[Cell]) -> Result<()> {
+        debug_assert_eq!(cells.len(), self.columns, "a row has one cell a column");
+        self.line(cells.iter().map(Cell::text))
+    }
+
+    fn line(&mut self, cells: impl Iterator<Item = String>) -> Result<()> {
+        let line = cells.collect::<Vec<_>>().join(",");
+        writeln!(self.file, "{line}").and_then(|()| self.file.flush()).map_err(io("write", &self.path))
+    }
+}

@@ -1,0 +1,190 @@
+//! `particles.vtkhdf`: what is written is read back, by us and by VTK.
+#![allow(clippy::unwrap_used, missing_docs)]
+use sinew::output::frame::Field;
+use sinew::output::snapshot::Snapshot;
+use sinew::output::vtkhdf::{Reader, Writer};
+use std::path::Path;
+use std::process::Command;
+
+fn field(name: &str, unit: &str, components: usize) -> Field {
+    Field { name: name.into(), unit: unit.into(), components }
+}
+
+/// `n` particles whose numbers tell frame, particle and component.
+fn snapshot(k: u64, n: usize) -> Snapshot {
+    let value = |i: usize, c: usize| (k as f32) + 0.001 * i as f32 + 0.1 * c as f32;
+    let column = |components: usize| {
+        (0..n * components).map(|j| value(j / components, j % components)).collect::<Vec<_>>()
+    };
+    Snapshot {
+        time: 1e-3 * k as f64,
+        step: 10 * k,
+        identities: (0..n as u64).map(|i| (1 << 40) + 7 * i).collect(),
+        materials: (0..n).map(|i| (i % 2) as u8).collect(),
+        positions: (0..n).map(|i| [value(i, 0), value(i, 1), value(i, 2)]).collect(),
+        columns: vec![
+            (field("failure", "1", 1), column(1)),
+            (field("stress", "Pa", 6), column(6)),
+            (field("velocity", "m/s", 3), column(3)),
+        ],
+    }
+}
+
+fn write(path: &Path, counts: &[usize]) -> Vec<Snapshot> {
+    let frames: Vec<_> = counts.iter().enumerate().map(|(k, &n)| snapshot(k as u64, n)).collect();
+    let mut writer = Writer::create(path).unwrap();
+    for frame in &frames {
+        writer.append(frame).unwrap();
+    }
+    writer.close().unwrap();
+    frames
+}
+
+fn check_with_vtk(path: &Path) {
+    let has_vtk = Command::new("python3").args(["-c", "import vtk, h5py"]).output();
+    if !has_vtk.is_ok_and(|o| o.status.success()) {
+        eprintln!("skipped: needs python3 with vtk and h5py");
+        return;
+    }
+    let out = Command::new("python3").arg("tests/python/check_vtkhdf.py").arg(path).output().unwrap();
+    assert!(out.status.success(), "{}{}", text(&out.stdout), text(&out.stderr));
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into()
+}
+
+#[test]
+fn frames_come_back_also_when_particles_vanish_or_come() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    let frames = write(&path, &[7, 5, 5, 9]);
+    let reader = Reader::open(&path).unwrap();
+    assert_eq!(reader.frames(), 4);
+    for (k, frame) in frames.iter().enumerate() {
+        assert_eq!(&reader.frame(k).unwrap(), frame);
+    }
+    let only = reader.frame_with(3, &["velocity", "no such field"]).unwrap();
+    assert_eq!(only.columns, frames[3].columns[2..]);
+    assert!(reader.frame(4).unwrap_err().to_string().contains("no frame 4"));
+    check_with_vtk(&path);
+}
+
+#[test]
+fn frames_longer_than_a_chunk_and_a_single_particle() {
+    let folder = tempfile::tempdir().unwrap();
+    for counts in [&[150_000, 149_999][..], &[1, 1], &[0, 0]] {
+        let path = folder.path().join(format!("{}.vtkhdf", counts[0]));
+        let frames = write(&path, counts);
+        let reader = Reader::open(&path).unwrap();
+        assert!((0..2).all(|k| reader.frame(k).unwrap() == frames[k]));
+        check_with_vtk(&path);
+    }
+}
+
+#[test]
+fn the_file_is_readable_after_every_append() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    let mut writer = Writer::create(&path).unwrap();
+    assert_eq!(Reader::open(&path).unwrap().frames(), 0);
+    for k in 0..3 {
+        let frame = snapshot(k, 6 - k as usize);
+        writer.append(&frame).unwrap();
+        // A copy is what another process would see.
+        let copy = folder.path().join("copy.vtkhdf");
+        std::fs::copy(&path, &copy).unwrap();
+        let reader = Reader::open(&copy).unwrap();
+        assert_eq!(reader.frames(), k as usize + 1);
+        assert_eq!(reader.frame(k as usize).unwrap(), frame);
+        check_with_vtk(&copy);
+    }
+}
+
+#[test]
+fn a_restart_goes_on_after_the_frames_it_knows() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    write(&path, &[7, 6, 5]);
+    let mut writer = Writer::resume(&path, 1.5e-3).unwrap();
+    assert_eq!(writer.frames(), 2);
+    writer.append(&snapshot(8, 4)).unwrap();
+    writer.close().unwrap();
+    let reader = Reader::open(&path).unwrap();
+    assert_eq!(reader.times(), [0.0, 1e-3, 8e-3]);
+    assert_eq!(reader.frame(1).unwrap(), snapshot(1, 6));
+    assert_eq!(reader.frame(2).unwrap(), snapshot(8, 4));
+    check_with_vtk(&path);
+}
+
+#[test]
+fn errors_name_the_file_and_what_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("no/particles.vtkhdf");
+    let message = Writer::create(&missing).unwrap_err().to_string();
+    assert!(message.contains("cannot create") && message.contains("no/particles.vtkhdf"), "{message}");
+    assert!(Reader::open(&missing).unwrap_err().to_string().contains("folder exists"));
+
+    let other = folder.path().join("other.vtkhdf");
+    std::fs::write(&other, "not HDF5").unwrap();
+    assert!(Reader::open(&other).unwrap_err().to_string().contains("other.vtkhdf"));
+
+    let mut writer = Writer::create(&other).unwrap();
+    writer.append(&snapshot(0, 3)).unwrap();
+    let mut changed = snapshot(1, 3);
+    changed.columns.pop();
+    assert!(writer.append(&changed).unwrap_err().to_string().contains("[failure, stress]"));
+    assert_eq!(Reader::open(&other).unwrap().frames(), 1);
+}
+
+/// Runs itself once more under a shell that lets no file grow beyond 8 MB.
+#[test]
+fn a_full_disk_is_an_error_and_earlier_frames_stay() {
+    if let Ok(path) = std::env::var("SINEW_TEST_FULL_DISK") {
+        let mut writer = Writer::create(Path::new(&path)).unwrap();
+        let failure = (0..1000).find_map(|k| writer.append(&snapshot(k, 20_000)).err());
+        println!("error: {}", failure.unwrap());
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    let name = "a_full_disk_is_an_error_and_earlier_frames_stay";
+    let out = Command::new("bash")
+        .args(["-c", "ulimit -f 8192; trap '' XFSZ; exec \"$0\" --exact \"$1\" --nocapture"])
+        .arg(std::env::current_exe().unwrap())
+        .arg(name)
+        .env("SINEW_TEST_FULL_DISK", &path)
+        .output()
+        .unwrap();
+    let said = text(&out.stdout) + &text(&out.stderr);
+    assert!(out.status.success(), "{said}");
+    assert!(said.contains("error: cannot write"), "{said}");
+    assert!(said.contains("free some space"), "{said}");
+    let reader = Reader::open(&path).unwrap();
+    assert!(reader.frames() > 0);
+    let last = reader.frames() - 1;
+    assert_eq!(reader.frame(last).unwrap(), snapshot(last as u64, 20_000));
+}
+
+/// `cargo test --release --test output_vtkhdf -- --ignored --nocapture` prints what a frame of the slab costs.
+#[test]
+#[ignore = "measures"]
+fn cost_of_a_large_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    let mut frame = snapshot(1, 1_600_000);
+    // Noise in the low bits, as real columns have.
+    let mut noise = 1u32;
+    let numbers = frame.columns.iter_mut().flat_map(|c| &mut c.1);
+    for x in numbers.chain(frame.positions.as_flattened_mut()) {
+        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        *x *= 1.0 + noise as f32 / u32::MAX as f32;
+    }
+    let mut writer = Writer::create(&path).unwrap();
+    for k in 0..3 {
+        let start = std::time::Instant::now();
+        writer.append(&frame).unwrap();
+        let size = std::fs::metadata(&path).unwrap().len();
+        println!("frame {k}: {:.2} s, file {:.0} MB", start.elapsed().as_secs_f64(), size as f64 * 1e-6);
+    }
+}

@@ -1,0 +1,60 @@
+"""Opens a particle file with h5py and with VTK's own reader and compares every frame.
+
+usage: check_vtkhdf.py FILE
+VTK accepts many broken files and returns fewer points or arrays in silence, so counts and arrays are compared.
+"""
+import sys
+
+import h5py
+import numpy as np
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+
+def main(path):
+    with h5py.File(path, "r", locking=False) as file:
+        root = file["VTKHDF"]
+        steps = root["Steps"]
+        frames = int(steps.attrs["NSteps"])
+        assert root.attrs["Type"] == b"PolyData", root.attrs["Type"]
+        times = steps["Values"][:frames]
+        if frames == 0:
+            return print("no frames")
+
+        reader = vtk.vtkHDFReader()
+        assert reader.CanReadFile(path)
+        reader.SetFileName(path)
+        reader.UpdateInformation()
+        assert reader.GetNumberOfSteps() == frames, reader.GetNumberOfSteps()
+        key = vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()
+        seen = reader.GetOutputInformation(0).Get(key)
+        # VTK gives a file of one frame no time.
+        assert frames == 1 or np.array_equal(seen, times), (seen, times)
+
+        for k, time in enumerate(times):
+            start, count = int(steps["PointOffsets"][k]), int(root["NumberOfPoints"][k])
+            rows = slice(start, start + count)
+            reader.UpdateTimeStep(time)
+            data = reader.GetOutputDataObject(0)
+            if data.IsA("vtkPartitionedDataSet"):
+                data = data.GetPartition(0)
+            assert data.GetNumberOfPoints() == count, (k, data.GetNumberOfPoints(), count)
+            assert data.GetNumberOfVerts() == data.GetNumberOfCells() == count
+            if count == 0:
+                continue
+            assert np.array_equal(vtk_to_numpy(data.GetVerts().GetConnectivityArray()), np.arange(count))
+            assert np.array_equal(vtk_to_numpy(data.GetPoints().GetData()), root["Points"][rows])
+            arrays = data.GetPointData()
+            assert arrays.GetNumberOfArrays() == len(root["PointData"]), (k, arrays.GetNumberOfArrays())
+            for name, column in root["PointData"].items():
+                array = arrays.GetArray(name)
+                assert array is not None, (k, name)
+                read = vtk_to_numpy(array)
+                assert read.dtype == column.dtype, (name, read.dtype)
+                assert np.array_equal(read, column[rows], equal_nan=column.dtype.kind == "f"), (k, name)
+                assert name in ("id", "material") or "unit" in column.attrs, name
+            print(f"frame {k}: t = {time:g} s, {count} particles, {arrays.GetNumberOfArrays()} arrays agree")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
