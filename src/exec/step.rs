@@ -28,6 +28,11 @@ impl<E: Executor> Engine<E> {
         Self { executor, isa, scratch }
     }
 
+    /// Instruction set that tasks run on.
+    pub fn isa(&self) -> Isa {
+        self.isa
+    }
+
     /// Number of workers.
     pub fn workers(&self) -> usize {
         self.executor.workers()

@@ -21,6 +21,34 @@ macro_rules! op {
 /// Lanes that hold the force, or the velocity change, of a node line.
 const FORCE: __mmask8 = 0b0111_0000;
 
+/// Names a shuffle of two vectors. Functions, not closures: a closure is not inlined for sure, and an intrinsic that
+/// is not inlined costs a call.
+macro_rules! shuffles {
+    ($($name:ident: $intrinsic:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(a: Avx512, b: Avx512) -> Avx512 {
+            // SAFETY: see `op!`.
+            unsafe { Avx512($intrinsic(a.0, b.0)) }
+        }
+    )*};
+}
+shuffles! {
+    low: _mm512_unpacklo_pd;
+    high: _mm512_unpackhi_pd;
+    near: _mm512_shuffle_f64x2::<0x44>;
+    far: _mm512_shuffle_f64x2::<0xEE>;
+    even: _mm512_shuffle_f64x2::<0x88>;
+    odd: _mm512_shuffle_f64x2::<0xDD>;
+}
+
+/// Every other column of eight rows whose pairs are interleaved.
+#[inline(always)]
+fn even_columns(pairs: [Avx512; 4]) -> [Avx512; 4] {
+    let (a, b) = (near(pairs[0], pairs[1]), near(pairs[2], pairs[3]));
+    let (c, d) = (far(pairs[0], pairs[1]), far(pairs[2], pairs[3]));
+    [even(a, b), odd(a, b), even(c, d), odd(c, d)]
+}
+
 impl Simd for Avx512 {
     #[inline(always)]
     fn splat(x: f64) -> Self {
@@ -106,19 +134,10 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn transpose(r: [Self; LANES]) -> [Self; LANES] {
         // pairs of rows, then quarters, then halves
-        let low = |i: usize| op!(_mm512_unpacklo_pd(r[i].0, r[i + 1].0));
-        let high = |i: usize| op!(_mm512_unpackhi_pd(r[i].0, r[i + 1].0));
-        let near = |a: Self, b: Self| op!(_mm512_shuffle_f64x2::<0x44>(a.0, b.0));
-        let far = |a: Self, b: Self| op!(_mm512_shuffle_f64x2::<0xEE>(a.0, b.0));
-        let even = |a: Self, b: Self| op!(_mm512_shuffle_f64x2::<0x88>(a.0, b.0));
-        let odd = |a: Self, b: Self| op!(_mm512_shuffle_f64x2::<0xDD>(a.0, b.0));
-        let columns = |pair: [Self; 4]| {
-            let (a, b) = (near(pair[0], pair[1]), near(pair[2], pair[3]));
-            let (c, d) = (far(pair[0], pair[1]), far(pair[2], pair[3]));
-            [even(a, b), odd(a, b), even(c, d), odd(c, d)]
-        };
-        let [c0, c2, c4, c6] = columns([0, 2, 4, 6].map(low));
-        let [c1, c3, c5, c7] = columns([0, 2, 4, 6].map(high));
+        let [c0, c2, c4, c6] =
+            even_columns([low(r[0], r[1]), low(r[2], r[3]), low(r[4], r[5]), low(r[6], r[7])]);
+        let [c1, c3, c5, c7] =
+            even_columns([high(r[0], r[1]), high(r[2], r[3]), high(r[4], r[5]), high(r[6], r[7])]);
         [c0, c1, c2, c3, c4, c5, c6, c7]
     }
 

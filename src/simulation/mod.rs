@@ -3,6 +3,7 @@ pub mod fault;
 mod hash;
 pub mod ledger;
 mod populate;
+pub mod recorder;
 mod snapshot;
 
 pub use fault::RunError;
@@ -142,6 +143,11 @@ impl Simulation {
     /// Steps taken.
     pub fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// Instruction set that runs.
+    pub fn isa(&self) -> Isa {
+        self.engine.isa()
     }
 
     /// Number of threads.

@@ -1,0 +1,101 @@
+//! Progress of a run: a bar on a terminal, plain lines elsewhere.
+use indicatif::{ProgressBar, ProgressStyle};
+use sinew::simulation::Simulation;
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Ticks of the bar.
+const TICKS: u64 = 1000;
+
+/// Shows how far a run has come.
+pub struct Progress {
+    bar: Option<ProgressBar>,
+    quiet: bool,
+    began: Instant,
+    shown: Instant,
+    next_line: f64,
+}
+
+impl Progress {
+    /// Announces the run.
+    pub fn begin(title: &str, simulation: &Simulation, quiet: bool) -> Self {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = (terminal && !quiet).then(|| {
+            let bar = ProgressBar::new(TICKS);
+            if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}") {
+                bar.set_style(style);
+            }
+            bar
+        });
+        if !quiet {
+            let [a, b, c] = simulation.warehouse.decomposition.counts;
+            eprintln!("{title}");
+            eprintln!(
+                "{} particles, {a}x{b}x{c} patches, {} threads, {}",
+                simulation.warehouse.particle_count(),
+                simulation.threads(),
+                simulation.isa().name()
+            );
+        }
+        let now = Instant::now();
+        Self { bar, quiet, began: now, shown: now, next_line: 0.05 }
+    }
+
+    /// After a step; `updates`: particle updates so far.
+    pub fn step(&mut self, simulation: &Simulation, updates: u64) {
+        if self.quiet {
+            return;
+        }
+        let done = fraction(simulation);
+        let due = match self.bar {
+            Some(_) => self.shown.elapsed() > Duration::from_millis(200),
+            None => done >= self.next_line || self.shown.elapsed() > Duration::from_secs(20),
+        };
+        if !due {
+            return;
+        }
+        self.shown = Instant::now();
+        self.next_line = done + 0.05;
+        let spent = self.began.elapsed().as_secs_f64();
+        let left = spent * (1.0 - done) / done.max(1e-9);
+        let clock = simulation.clock();
+        let message = format!(
+            "step {}  t {:.4} ms  dt {:.1} ns  {:.2} M updates/s  {} left",
+            simulation.steps(),
+            1e3 * clock.time,
+            1e9 * clock.step,
+            updates as f64 / spent / 1e6,
+            duration(left)
+        );
+        match &self.bar {
+            Some(bar) => {
+                bar.set_position((done * TICKS as f64) as u64);
+                bar.set_message(message);
+            }
+            None => eprintln!("{:>3.0} %  {message}", 100.0 * done),
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn end(self) {
+        if let Some(bar) = self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn fraction(simulation: &Simulation) -> f64 {
+    let by_time = simulation.clock().time / simulation.scene.run.until;
+    let by_steps =
+        simulation.scene.run.steps.map_or(0.0, |most| simulation.steps() as f64 / most.max(1) as f64);
+    by_time.max(by_steps).min(1.0)
+}
+
+/// Seconds in words: `42 s`, `3 min 5 s`, `2 h 4 min`.
+pub fn duration(seconds: f64) -> String {
+    match seconds.round() as u64 {
+        s if s < 60 => format!("{s} s"),
+        s if s < 3600 => format!("{} min {} s", s / 60, s % 60),
+        s => format!("{} h {} min", s / 3600, s / 60 % 60),
+    }
+}

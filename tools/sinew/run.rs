@@ -1,0 +1,164 @@
+//! `sinew run`: a scene, from the first step to the last.
+use super::fail::Failure;
+use super::progress::Progress;
+use super::{picture, wound};
+use sinew::input::scene::Scene;
+use sinew::output::summary::Summary;
+use sinew::simd::Isa;
+use sinew::simulation::Simulation;
+use sinew::simulation::recorder::{Recorder, holds_run};
+use std::path::{Path, PathBuf};
+
+/// Which scene, with what changed.
+#[derive(clap::Args)]
+pub struct SceneArgs {
+    /// Folder with a scene.toml, or a .toml file
+    pub scene: PathBuf,
+    /// Threads (default: all cores)
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Patches along x, y and z, for example 2x1x2 (default: eight a thread)
+    #[arg(long, value_name = "AxBxC")]
+    pub patches: Option<String>,
+    /// Stop after N steps
+    #[arg(long, value_name = "N")]
+    pub steps: Option<u64>,
+    /// End of the simulated time, for example "0.2 ms"
+    #[arg(long, value_name = "T")]
+    pub until: Option<String>,
+    /// Override a field of the scene, for example run.cfl=0.2 or material.tissue.c1="3 kPa"
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+impl SceneArgs {
+    /// The scene with all overrides.
+    pub fn read(&self) -> Result<Scene, Failure> {
+        let mut overrides = Vec::new();
+        for pair in &self.set {
+            let (key, value) = pair.split_once('=').ok_or_else(|| {
+                Failure::usage(format!("--set {pair}: write it as KEY=VALUE, for example run.cfl=0.2"))
+            })?;
+            overrides.push((key.trim().to_owned(), value.trim().to_owned()));
+        }
+        let mut set = |key: &str, value: Option<String>| {
+            overrides.extend(value.map(|value| (key.to_owned(), value)));
+        };
+        set("run.threads", self.threads.map(|n| n.to_string()));
+        set("run.steps", self.steps.map(|n| n.to_string()));
+        set("run.until", self.until.clone());
+        set("run.patches", self.patches.as_ref().map(|text| format!("[{}]", text.replace(['x', 'X'], ", "))));
+        Ok(sinew::input::read(&self.scene, &overrides)?)
+    }
+}
+
+/// Run a scene and leave a folder with summary, history, particle file and pictures
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Folder for the results (default: runs/NAME)
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Overwrite a run that the folder holds
+    #[arg(long)]
+    force: bool,
+    /// No progress on the screen
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<(), Failure> {
+    let scene = args.scene.read()?;
+    let isa = Isa::from_environment().map_err(Failure::usage)?;
+    let folder = args.out.clone().unwrap_or_else(|| Path::new("runs").join(&scene.name));
+    claim(&folder, args.force)?;
+    let title = format!("{} ({})", scene.title, scene.name);
+    let mut simulation = Simulation::new(scene, isa)?;
+    // until the first step, what cannot be written is bad usage
+    let mut recorder =
+        Recorder::create(&folder, &mut simulation).map_err(|error| Failure::usage(error.to_string()))?;
+    let mut progress = Progress::begin(&title, &simulation, args.quiet);
+    let outcome = march(&mut simulation, &mut recorder, &mut progress);
+    progress.end();
+    let error = outcome.as_ref().err().map(ToString::to_string);
+    let summary = recorder.finish(&mut simulation, error)?;
+    print_summary(&summary, &folder);
+    outcome.map_err(Failure::Run)?;
+    if simulation.scene.output.frames > 0 {
+        if simulation.scene.output.wound.is_some() {
+            wound::print(&folder)?;
+        }
+        for picture in picture::draw(&folder, None)? {
+            println!("picture        {}", picture.display());
+        }
+    }
+    Ok(())
+}
+
+/// Steps until the end; an error in words.
+fn march(
+    simulation: &mut Simulation,
+    recorder: &mut Recorder,
+    progress: &mut Progress,
+) -> Result<(), String> {
+    while simulation.step().map_err(|error| error.to_string())? {
+        recorder.step(simulation).map_err(|error| error.to_string())?;
+        progress.step(simulation, recorder.updates);
+    }
+    Ok(())
+}
+
+/// Refuses a folder that holds a run, unless forced, and one that cannot be written.
+fn claim(folder: &Path, force: bool) -> Result<(), Failure> {
+    if !force && holds_run(folder) {
+        return Err(Failure::usage(format!(
+            "{} already holds a run: choose another folder with --out, or overwrite it with --force",
+            folder.display()
+        )));
+    }
+    let probe = folder.join(".sinew-probe");
+    let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&probe, b""));
+    written.map_err(|error| {
+        Failure::usage(format!(
+            "cannot write to {}: {error}; choose another folder with --out",
+            folder.display()
+        ))
+    })?;
+    // an empty probe left behind would do no harm
+    let _ = std::fs::remove_file(probe);
+    Ok(())
+}
+
+fn print_summary(summary: &Summary, folder: &Path) {
+    let e = &summary.energy_j;
+    println!("results        {}", folder.display());
+    println!("simulated      {:.4} ms in {} steps", 1e3 * summary.time_s, summary.steps);
+    println!(
+        "wall time      {:.1} s, {:.2} million particle updates a second and core ({}, {} threads)",
+        summary.wall_s,
+        summary.updates_per_s_per_core / 1e6,
+        summary.isa,
+        summary.threads
+    );
+    println!(
+        "energy [J]     kinetic {:.4e}, strain {:.4e}, plastic {:.4e}, fracture {:.4e}, friction {:.4e}, residual {:+.4e}",
+        e.kinetic, e.strain, e.plastic, e.fracture, e.friction, e.residual
+    );
+    for (name, material) in &summary.materials {
+        let [x, y, z] = material.mean_velocity_m_s;
+        let failed = material
+            .failed_fraction
+            .as_ref()
+            .map_or(String::new(), |f| format!(", failed {:.2} %", 100.0 * f.any));
+        println!(
+            "{name:<14} {} particles, mean velocity ({x:.3}, {y:.3}, {z:.3}) m/s{failed}",
+            material.particles
+        );
+    }
+    if summary.deleted_particles > 0 {
+        println!("left           {} particles left the domain", summary.deleted_particles);
+    }
+    println!("state hash     {}", summary.state_hash);
+}
