@@ -110,14 +110,17 @@ fn released_energy_is_what_the_lost_terms_held() {
     for keeps_pressure in [0, 0xFF] {
         let law = myocardium(1.3, TwoSurface { keeps_pressure, ..PAPER });
         let mut seen = [0; 4];
-        for _ in 0..3000 {
-            let (f, fiber) = (random.deformation([0.5, 1.6], 1.4), random.direction());
+        for i in 0..3000 {
+            // swelling tears fibers without shear
+            let (j, most) = if i % 10 == 0 { ([2.5, 3.5], 1.06) } else { ([0.5, 1.6], 1.4) };
+            let (f, fiber) = (random.deformation(j, most), random.direction());
             let point = Point::virgin(&law, f, fiber);
             let answer = step(&law, &point);
             let stored = step(&intact, &Point::virgin(&intact, f, fiber)).strain;
             close(answer.strain + answer.fracture, stored, 1e-12, stored);
             seen[code(&answer) as usize] += 1;
-            assert_eq!(code(&answer) == 0.0, answer.fracture == 0.0);
+            // fibers may tear slack, λ̃ < 1 < λ, and release nothing
+            assert!(answer.fracture == 0.0 || code(&answer) > 0.0);
             // a second failure adds what was left, and what the deformation since has stored
             if !answer.frozen {
                 let next = point.then(&answer, random.deformation([0.9, 1.1], 1.3));
@@ -128,7 +131,7 @@ fn released_energy_is_what_the_lost_terms_held() {
                 close(second.strain + second.fracture, left + answer.fracture, 1e-12, left + answer.fracture);
             }
         }
-        assert!(seen.iter().all(|&n| n > 50), "{seen:?}");
+        assert!(seen.iter().all(|&n| n > 5), "{seen:?}");
     }
 }
 
