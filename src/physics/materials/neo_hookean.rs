@@ -3,7 +3,7 @@ use super::AnyLaw;
 use crate::physics::acoustic::Stiffness;
 use crate::physics::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
 use crate::physics::parameter::{Described, Dimension, Parameter, Values};
-use crate::physics::tensor::{deviator_invariants, times_transpose, trace};
+use crate::physics::tensor::{deviator_invariants, scaled, times_transpose, trace};
 use crate::simd::{Simd, math};
 
 /// W = μ/2 (tr b̃ − 3) + K/2 (½ (J² − 1) − ln J), b̃ = J^(−2/3) F Fᵀ
@@ -45,7 +45,7 @@ impl NeoHookean {
 #[inline(always)]
 fn isochoric<S: Simd>(k: &Kinematics<S>) -> [S; 6] {
     let scale = math::exp(math::ln(k.j) * S::splat(-2.0 / 3.0));
-    times_transpose(&k.f).map(|b| scale * b)
+    scaled(scale, times_transpose(&k.f))
 }
 
 impl Described for NeoHookean {
