@@ -130,7 +130,7 @@ impl Random {
     pub fn with_stretches(&mut self, stretches: [f64; 3]) -> M3 {
         self.rotation() * M3::from_diagonal(&V3::from(stretches)) * self.rotation()
     }
-    /// F with J in `j` (evenly in its logarithm) and stretches of the isochoric part within 1/`most` and `most`.
+    /// F with J in `j`, evenly in its logarithm, and isochoric stretches from 1/`most` to `most`.
     pub fn deformation(&mut self, j: [f64; 2], most: f64) -> M3 {
         let root = (self.within(j[0].ln(), j[1].ln()) / 3.0).exp();
         let bound = most.ln();

@@ -133,3 +133,24 @@ fn fiber_stress_follows_eq_5() {
         }
     }
 }
+
+/// The toe's energy ∫ h(x)/x dx against Simpson's rule, up to the C₄ (λ* − 1) = 20 that the law promises.
+#[test]
+fn toe_energy_is_the_integral_of_the_toe() {
+    for (c4, straight) in [(22.0, 1.4), (48.0, 1.06), (50.0, 1.4)] {
+        let law = sinew::physics::materials::tissue::Tissue { c4, ..myocardium(straight, NoFailure) };
+        let side = straight.powf(-0.5);
+        let f = M3::from_diagonal(&V3::new(straight, side, side));
+        let matrix = law.c1 * (straight * straight + 2.0 * side * side - 3.0);
+        let n = 20_000;
+        let width = (straight - 1.0) / n as f64;
+        let at = |i: usize| {
+            let strain = width * i as f64;
+            let weight = if i == 0 || i == n { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+            weight * law.c3 * (c4 * strain).exp_m1() / (1.0 + strain)
+        };
+        let exact = (0..=n).map(at).sum::<f64>() * width / 3.0;
+        let strain = step(&law, &Point::virgin(&law, f, V3::x())).strain;
+        close(strain - matrix, exact, 2e-12, exact + matrix);
+    }
+}

@@ -147,3 +147,19 @@ fn the_bound_follows_the_kink() {
     assert!(before > 12e6 && before < 14e6, "{before}");
     assert!(after > 0.929e6 && after < 1.1e6, "{after}");
 }
+
+#[test]
+fn the_bound_is_a_number_in_extreme_states() {
+    let mut random = Random(62);
+    for _ in 0..2000 {
+        let (f, fiber) = (random.deformation([1e-9, 1e9], 1e3), random.direction());
+        for code in [0.0, 1.0, 2.0, 3.0] {
+            let law = myocardium(1.4, NEVER);
+            let mut point = Point::virgin(&law, f, fiber);
+            point.history[3] = code;
+            let answer = step(&law, &point);
+            assert!(answer.modulus.is_finite() && answer.modulus >= 0.0, "{code}: {}", answer.modulus);
+            assert!(answer.kirchhoff.iter().all(|t| t.is_finite()));
+        }
+    }
+}

@@ -27,7 +27,8 @@ pub struct J2 {
 
 impl Described for J2 {
     const NAME: &'static str = "j2";
-    const SUMMARY: &'static str = "Neo-Hookean elasticity with a von Mises yield surface and linear isotropic hardening (Simo & Hughes 1998, box 9.1)";
+    const SUMMARY: &'static str = "Neo-Hookean elasticity with a von Mises yield surface \
+        and linear isotropic hardening (Simo & Hughes 1998, box 9.1)";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::positive("bulk-modulus", Dimension::Stress, "bulk modulus K"),
         Parameter::positive("shear-modulus", Dimension::Stress, "shear modulus μ"),

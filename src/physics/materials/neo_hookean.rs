@@ -7,7 +7,7 @@ use crate::physics::tensor::{deviator_invariants, scaled, times_transpose, trace
 use crate::simd::{Simd, math};
 
 /// W = μ/2 (tr b̃ − 3) + K/2 (½ (J² − 1) − ln J), b̃ = J^(−2/3) F Fᵀ
-/// (Simo & Hughes, *Computational Inelasticity*, 1998, eqs. 9.2.3 and 9.2.6). [`J2`](super::j2::J2) adds yielding.
+/// (Simo & Hughes, *Computational Inelasticity*, 1998, section 9.2). [`J2`](super::j2::J2) adds yielding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeoHookean {
     /// Bulk modulus K [Pa].
@@ -50,7 +50,8 @@ fn isochoric<S: Simd>(k: &Kinematics<S>) -> [S; 6] {
 
 impl Described for NeoHookean {
     const NAME: &'static str = "neo-hookean";
-    const SUMMARY: &'static str = "Compressible neo-Hookean elasticity, W = μ/2 (Ĩ₁ − 3) + K/2 (½ (J² − 1) − ln J) (Simo & Hughes 1998, section 9.2)";
+    const SUMMARY: &'static str = "Compressible neo-Hookean elasticity, \
+        W = μ/2 (Ĩ₁ − 3) + K/2 (½ (J² − 1) − ln J) (Simo & Hughes 1998, section 9.2)";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::positive("bulk-modulus", Dimension::Stress, "bulk modulus K"),
         Parameter::positive("shear-modulus", Dimension::Stress, "shear modulus μ"),
