@@ -30,16 +30,20 @@ impl<S: Simd> Stiffness<S> {
     /// - μ (n·b̃n − 4/3 s m·b̃n + 5/9 s² tr b̃) for the matrix. That is
     ///   μ (|b̃^½ (n − ⅔ s m)|² + s² (5/9 tr b̃ − 4/9 m·b̃m)), and |n − ⅔ s m|² = 1 − 8/9 s²: at most
     ///   μ (b₁ + s² (5 tr b̃ − 8 b₁ − 4 b₃)/9) with the principal values b₁ ≥ b₂ ≥ b₃;
-    /// - h′ (pq − s/3)² + h (q² − 2p²q² + s²/3) for the fibers. |pq − s/3| ≤ 2/3, and
-    ///   h (q² − 2p²q²) + w s² ≤ max(w + h/3, h) for every w.
+    /// - h′ (pq − s/3)² + h (q² − 2p²q² + s²/3) for the fibers, which is
+    ///   (h′ − 3h) (pq − s/3)² + h ((s − pq)² + q² − s²/3). Here |pq − s/3| ≤ 2/3, and (s − pq)² ≤
+    ///   (1 − p²)(1 − q²), the product of the parts of m and n across a: at most
+    ///   4/9 max(h′ − 3h, 0) + h (1 − s²/3).
     ///
+    /// What remains is linear in s², so that its maximum is at s² = 0 or 1.
     /// The bound is exact in the undeformed state (κ + 4/3 μ), and never negative.
     #[inline(always)]
     pub fn bound(&self) -> S {
         let Self { volumetric, shear, mean, j2, fiber_stress: h, fiber_slope } = *self;
         let (b3, b1) = principal_bounds(mean, j2);
         let excess = S::splat(5.0 / 3.0).fma(mean, -S::splat(8.0 / 9.0).fma(b1, S::splat(4.0 / 9.0) * b3));
-        let longitudinal = shear.fma(excess, volumetric) + S::splat(2.0 / 3.0) * h;
-        shear.fma(b1, longitudinal.max(h)) + S::splat(4.0 / 9.0) * fiber_slope
+        let longitudinal = S::splat(2.0 / 3.0).fma(h, shear.fma(excess, volumetric));
+        let stretching = S::splat(3.0).fnma(h, fiber_slope).max(S::splat(0.0));
+        S::splat(4.0 / 9.0).fma(stretching, shear.fma(b1, longitudinal.max(h)))
     }
 }

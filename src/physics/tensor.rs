@@ -1,5 +1,8 @@
 //! Small tensor algebra, eight particles at a time. Full tensors are 9 numbers row by row, symmetric ones
 //! 6: xx, xy, xz, yy, yz, zz.
+//!
+//! Loops rather than `map` or `from_fn`: the standard library may be compiled as functions of its own,
+//! without the instruction set of the caller.
 use crate::simd::Simd;
 
 /// det A
@@ -23,7 +26,17 @@ pub fn times_transpose<S: Simd>(a: &[S; 9]) -> [S; 6] {
 /// A u
 #[inline(always)]
 pub fn apply<S: Simd>(a: &[S; 9], u: &[S; 3]) -> [S; 3] {
-    std::array::from_fn(|i| a[3 * i].fma(u[0], a[3 * i + 1].fma(u[1], a[3 * i + 2] * u[2])))
+    let row = |i: usize| a[3 * i].fma(u[0], a[3 * i + 1].fma(u[1], a[3 * i + 2] * u[2]));
+    [row(0), row(1), row(2)]
+}
+
+/// s A
+#[inline(always)]
+pub fn scaled<S: Simd>(s: S, mut a: [S; 6]) -> [S; 6] {
+    for entry in &mut a {
+        *entry = s * *entry;
+    }
+    a
 }
 
 /// tr A of a symmetric tensor.
@@ -69,16 +82,11 @@ pub fn principal_bounds<S: Simd>(mean: S, j2: S) -> (S, S) {
 /// F A Fᵀ of a symmetric A.
 #[inline(always)]
 pub fn push_forward<S: Simd>(f: &[S; 9], a: &[S; 6]) -> [S; 6] {
-    const FULL: [usize; 9] = [0, 1, 2, 1, 3, 4, 2, 4, 5];
-    let fa: [S; 9] = std::array::from_fn(|e| {
-        let (row, column) = (3 * (e / 3), e % 3);
-        let term = |m: usize| (f[row + m], a[FULL[3 * m + column]]);
-        let ((f0, a0), (f1, a1), (f2, a2)) = (term(0), term(1), term(2));
-        f0.fma(a0, f1.fma(a1, f2 * a2))
-    });
-    let dot = |i: usize, k: usize| {
-        fa[3 * i].fma(f[3 * k], fa[3 * i + 1].fma(f[3 * k + 1], fa[3 * i + 2] * f[3 * k + 2]))
-    };
+    let [xx, xy, xz, yy, yz, zz] = *a;
+    let columns = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let [fx, fy, fz] = [apply(f, &columns[0]), apply(f, &columns[1]), apply(f, &columns[2])];
+    // (F A)ᵢ · Fₖ
+    let dot = |i: usize, k: usize| fx[i].fma(f[3 * k], fy[i].fma(f[3 * k + 1], fz[i] * f[3 * k + 2]));
     [dot(0, 0), dot(0, 1), dot(0, 2), dot(1, 1), dot(1, 2), dot(2, 2)]
 }
 

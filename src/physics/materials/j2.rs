@@ -3,7 +3,7 @@ use super::AnyLaw;
 use super::neo_hookean::NeoHookean;
 use crate::physics::law::{Energies, Kinematics, Law, Response, Variable};
 use crate::physics::parameter::{Described, Dimension, Parameter, Values};
-use crate::physics::tensor::{determinant, deviator_invariants, push_forward};
+use crate::physics::tensor::{determinant, deviator_invariants, push_forward, scaled};
 use crate::simd::{Simd, math};
 
 /// √(2/3)
@@ -27,7 +27,8 @@ pub struct J2 {
 
 impl Described for J2 {
     const NAME: &'static str = "j2";
-    const SUMMARY: &'static str = "Neo-Hookean elasticity with a von Mises yield surface and linear isotropic hardening (Simo & Hughes 1998, box 9.1)";
+    const SUMMARY: &'static str = "Neo-Hookean elasticity with a von Mises yield surface \
+        and linear isotropic hardening (Simo & Hughes 1998, box 9.1)";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::positive("bulk-modulus", Dimension::Stress, "bulk modulus K"),
         Parameter::positive("shear-modulus", Dimension::Stress, "shear modulus μ"),
@@ -66,7 +67,7 @@ impl Law for J2 {
     #[inline(always)]
     fn update<S: Simd>(&self, k: &Kinematics<S>, history: &mut [S]) -> Response<S> {
         let scale = math::exp(math::ln(determinant(&k.increment)) * S::splat(-2.0 / 3.0));
-        let trial = push_forward(&k.increment, &elastic(history)).map(|b| scale * b);
+        let trial = scaled(scale, push_forward(&k.increment, &elastic(history)));
         let alpha = history[6];
 
         // f = ‖s‖ − √(2/3) σy of the trial state; only its positive part flows
@@ -75,17 +76,23 @@ impl Law for J2 {
         let norm = shear * (j2 + j2).sqrt();
         let strength = S::splat(ROOT) * S::splat(self.hardening).fma(alpha, S::splat(self.yield_stress));
         let excess = (norm - strength).max(S::splat(0.0));
-        // μ̄ = μ tr b̄ᵉ / 3; f = 2 μ̄ Δγ (1 + H / 3μ̄)
-        let effective = shear * mean;
-        let flow = excess / S::splat(2.0).fma(effective, S::splat(2.0 / 3.0 * self.hardening));
         let yields = S::splat(0.0).lt(excess);
-        let kept = S::select(yields, (norm - (effective + effective) * flow) / norm, S::splat(1.0));
-        let center = S::select(yields, unimodular(mean, kept * kept * j2, kept * kept * kept * j3), mean);
-        let normal = |i: usize| kept.fma(trial[i] - mean, center);
-        let b = [normal(0), kept * trial[1], kept * trial[2], normal(3), kept * trial[4], normal(5)];
-
+        let mut b = trial;
+        if yields != 0 {
+            // f = 2 μ̄ Δγ (1 + H / 3μ̄) with μ̄ = μ tr b̄ᵉ / 3
+            let effective = shear * mean;
+            let flow = excess / S::splat(2.0).fma(effective, S::splat(2.0 / 3.0 * self.hardening));
+            let kept = (norm - (effective + effective) * flow) / norm;
+            let kept = S::select(yields, kept, S::splat(1.0));
+            let center = unimodular(mean, kept * kept * j2, kept * kept * kept * j3);
+            let center = S::select(yields, center, mean);
+            for (i, entry) in b.iter_mut().enumerate() {
+                let diagonal = i == 0 || i == 3 || i == 5;
+                *entry = if diagonal { kept.fma(*entry - mean, center) } else { kept * *entry };
+            }
+            history[6] = S::splat(ROOT).fma(flow, alpha);
+        }
         history[..6].copy_from_slice(&b);
-        history[6] = S::splat(ROOT).fma(flow, alpha);
         self.elastic.respond(&b, k.j)
     }
 
@@ -105,7 +112,7 @@ impl Law for J2 {
 /// b̄ᵉ
 #[inline(always)]
 fn elastic<S: Simd>(history: &[S]) -> [S; 6] {
-    std::array::from_fn(|i| history[i])
+    [history[0], history[1], history[2], history[3], history[4], history[5]]
 }
 
 /// The p with det(s + p I) = p³ − J₂ p + J₃ = 1, from above: p ≤ `start`.
@@ -115,8 +122,10 @@ fn elastic<S: Simd>(history: &[S]) -> [S; 6] {
 #[inline(always)]
 fn unimodular<S: Simd>(start: S, j2: S, j3: S) -> S {
     let rest = S::splat(1.0) - j3;
-    (0..5).fold(start, |p, _| {
+    let mut p = start;
+    for _ in 0..5 {
         let square = p * p;
-        (square + square).fma(p, rest) / S::splat(3.0).fma(square, -j2)
-    })
+        p = (square + square).fma(p, rest) / S::splat(3.0).fma(square, -j2);
+    }
+    p
 }

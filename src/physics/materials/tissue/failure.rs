@@ -135,13 +135,13 @@ impl TwoSurface {
     #[inline(always)]
     fn sheared<S: Simd>(&self, state: &State<S>) -> Mask {
         let splat = S::splat;
-        // invariants of b = J^(2/3) b̃ over powers of T
-        let scale = splat(1.0) / (splat(self.span) * state.root * state.root);
-        let j2 = scale * scale * state.j2;
-        let j3 = scale * scale * scale * state.j3;
-        let cubic = splat(4.0).fma(j2, splat(-9.0)).fma(j2, splat(6.0)).fma(j2, splat(-1.0));
-        let product = (splat(-27.0) * j3).fma(j3, cubic);
-        j2.ge(splat(1.0 / 3.0)) | j2.ge(splat(0.25)) & product.ge(splat(0.0))
+        let State { j2, j3, root, .. } = *state;
+        // these are invariants of b̃ = J^(−2/3) b, so T shrinks alike; t = T²
+        let limit = splat(self.span) * root * root;
+        let t = limit * limit;
+        let square = splat(4.0).fma(j2, splat(-9.0) * t).fma(j2, splat(6.0) * t * t);
+        let product = (splat(-27.0) * j3).fma(j3, square.fma(j2, -(t * t * t)));
+        j2.ge(splat(1.0 / 3.0) * t) | j2.ge(splat(0.25) * t) & product.ge(splat(0.0))
     }
 
     /// What acts at a volume ratio J.

@@ -10,7 +10,9 @@ pub struct Family;
 
 impl Described for Family {
     const NAME: &'static str = "tissue";
-    const SUMMARY: &'static str = "Soft tissue: matrix with one family of fibers, W = C1 (Ĩ₁ − 3) + F₂(λ̃) + K/2 (ln J)² (Weiss et al. 1996), with two-surface failure (Ionescu et al. 2006, eqs. 2–8)";
+    const SUMMARY: &'static str = "Soft tissue: matrix with one family of fibers, \
+        W = C1 (Ĩ₁ − 3) + F₂(λ̃) + K/2 (ln J)² (Weiss et al. 1996), \
+        with two-surface failure (Ionescu et al. 2006, eqs. 2–8)";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::positive("c1", Dimension::Stress, "C1 of the matrix, half its shear modulus"),
         Parameter::at_least("c3", Dimension::Stress, 0.0, None, "C3, scale of the fibers' exponential toe"),
@@ -33,7 +35,7 @@ impl Described for Family {
             "matrix-limit",
             Dimension::One,
             0.25,
-            "the matrix fails at this shear strain, half the difference of the extreme principal values (eq. 6)",
+            "the matrix fails at this shear strain, half the span of the principal values (eq. 6)",
         ),
         Parameter::choice(
             "strain",

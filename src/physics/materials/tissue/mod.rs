@@ -7,7 +7,7 @@ pub use family::Family;
 
 use crate::physics::acoustic::Stiffness;
 use crate::physics::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
-use crate::physics::tensor::{apply, deviator_invariants, times_transpose};
+use crate::physics::tensor::{apply, deviator_invariants, scaled, times_transpose};
 use crate::simd::{Mask, Simd, math};
 
 /// Transversely isotropic hyperelasticity (Weiss, Maker & Govindjee 1996; Ionescu et al. 2006, eqs. 1–5):
@@ -67,7 +67,7 @@ impl<S: Simd> State<S> {
         let ln_j = math::ln(j);
         let root = math::exp(ln_j * S::splat(-1.0 / 3.0));
         let scale = root * root;
-        let b = times_transpose(f).map(|b| scale * b);
+        let b = scaled(scale, times_transpose(f));
         let (mean, j2, j3) = deviator_invariants(&b);
         let fiber = apply(f, fiber);
         let [x, y, z] = fiber;
@@ -130,13 +130,14 @@ impl<F> Tissue<F> {
         let straight = S::splat(self.straight);
         let stretch = (state.root * state.stretch).max(one);
         let half = S::splat(0.5) * (stretch.min(straight) - one);
-        let toe = GAUSS.iter().fold(S::splat(0.0), |sum, &(node, weight)| {
-            let at = |node: f64| {
+        let mut toe = S::splat(0.0);
+        for (node, weight) in GAUSS {
+            for node in [-node, node] {
                 let strain = half.fma(S::splat(node), half);
-                (math::exp(S::splat(self.c4) * strain) - one) / (one + strain)
-            };
-            S::splat(weight).fma(at(-node) + at(node), sum)
-        });
+                let stress = math::exp(S::splat(self.c4) * strain) - one;
+                toe = S::splat(weight).fma(stress / (one + strain), toe);
+            }
+        }
         let c6 = self.c3 * ((self.c4 * (self.straight - 1.0)).exp() - 1.0) - self.c5 * self.straight;
         let beyond = stretch.max(straight);
         let line = S::splat(self.c5).fma(beyond - straight, S::splat(c6) * math::ln(beyond / straight));
@@ -158,7 +159,7 @@ impl<F> Tissue<F> {
         let [x, y, z] = state.fiber;
         let normal = |b: S, u: S| shear.fma(b - mean, (along * u).fma(u, spherical));
         let mixed = |b: S, u: S, v: S| shear.fma(b, along * u * v);
-        let kirchhoff = [
+        let mut kirchhoff = [
             normal(b[0], x),
             mixed(b[1], x, y),
             mixed(b[2], x, z),
@@ -172,7 +173,9 @@ impl<F> Tissue<F> {
         let stiffness = Stiffness { volumetric, shear, mean, j2, fiber_stress: h, fiber_slope: slope };
         // lanes without a term, or with J ≤ 0, may hold anything, even NaN
         let carries = (present.matrix | present.fiber | present.volume) & !inadmissible(state.j);
-        let kirchhoff = kirchhoff.map(|t| keep(carries, t));
+        for t in &mut kirchhoff {
+            *t = keep(carries, *t);
+        }
         Response { kirchhoff, modulus: keep(carries, stiffness.bound()), events }
     }
 }

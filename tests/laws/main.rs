@@ -1,0 +1,9 @@
+//! The constitutive laws against their definitions: energies, closed forms, eigenvalues.
+#![allow(clippy::unwrap_used)]
+mod harness;
+mod metal;
+mod registry;
+mod stress;
+mod tissue_failure;
+mod viscosity;
+mod waves;
