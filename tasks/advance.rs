@@ -1,6 +1,6 @@
 use crate::data::labels::{BlockExtent, GridVelocity, Position, Time, Velocity, VelocityChange};
 use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::simd::{Simd, load, store};
 
 /// v_p ← (1 − β)(v_p + Σ S Δv) + β Σ S v ;  x_p ← x_p + Δt Σ S v : FLIP with a fraction β of PIC.
 /// J. U. Brackbill, H. M. Ruppel, JCP 65, 1986, 314–343 (doi:10.1016/0021-9991(86)90211-1).
@@ -24,7 +24,7 @@ impl Body for Advance {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let dt = S::splat(io.time[0].step);
         let (flip, pic) = (S::splat(1.0 - self.pic), S::splat(self.pic));
-        let mut extent = io.extent[0].each_ref().map(S::load);
+        let mut extent = load(&io.extent[0]);
         let grid = io.grid_velocity.iter().zip(io.change.iter());
         for ((v_grid, dv), (x, v)) in grid.zip(io.position.iter_mut().zip(io.velocity.iter_mut())) {
             for a in 0..3 {
@@ -36,7 +36,7 @@ impl Body for Advance {
                 include(&mut extent, a, self.base::<S>(at, a, moved));
             }
         }
-        extent.iter().zip(&mut io.extent[0]).for_each(|(e, line)| e.store(line));
+        store(&extent, &mut io.extent[0]);
     }
 }
 

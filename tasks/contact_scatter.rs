@@ -1,7 +1,7 @@
 use super::scatter::{scatter_rows, to_rows};
 use crate::data::labels::{ContactFlow, ContactSums, ScatterRows, Weights};
 use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::simd::{Simd, load};
 
 /// Adds the contact flows to the nodes.
 pub struct ContactScatter;
@@ -16,7 +16,7 @@ impl Body for ContactScatter {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let zero = S::splat(0.0);
         for (flow, rows) in io.flow.iter().zip(io.rows.iter_mut()) {
-            let [mx, my, mz, v] = flow.each_ref().map(S::load);
+            let [mx, my, mz, v] = load(flow);
             to_rows([zero, mx, my, mz], [v, zero, zero, v, zero, v], zero, rows);
         }
         scatter_rows::<S>(at, &io.weights, &io.rows, &mut io.nodes);

@@ -43,8 +43,11 @@ impl Body for Gather {
 
 #[inline(always)]
 fn to_columns<S: Simd>(rows: &NodeRows, v: &mut [Wide; 3], dv: &mut [Wide; 3], l: &mut [Wide; 9]) {
-    let first = S::transpose(rows.each_ref().map(|row| S::load(&row[0])));
-    let second = S::transpose(rows.each_ref().map(|row| S::load(&row[1])));
+    let (mut first, mut second) = ([S::splat(0.0); 8], [S::splat(0.0); 8]);
+    for (lane, row) in rows.iter().enumerate() {
+        (first[lane], second[lane]) = (S::load(&row[0]), S::load(&row[1]));
+    }
+    let (first, second) = (S::transpose(first), S::transpose(second));
     let dx = [first[3], first[7], second[3]];
     for i in 0..3 {
         first[i].store(&mut v[i]);

@@ -21,7 +21,7 @@ impl Body for Integrate {
             let mass = sum.0[0];
             if mass > self.least_mass {
                 let factor = dt / mass;
-                change(motion, std::array::from_fn(|axis| factor * sum.0[4 + axis]));
+                change(motion, [factor * sum.0[4], factor * sum.0[5], factor * sum.0[6]]);
             }
         }
     }

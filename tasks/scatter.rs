@@ -3,7 +3,7 @@ use crate::for_each_particle_by_class;
 use crate::graph::task::{At, Body};
 use crate::physics::shape::transfer::scatter;
 use crate::physics::shape::{GROUP, NodeRows, Stencil};
-use crate::simd::{Simd, Wide};
+use crate::simd::{Simd, Wide, load};
 
 /// Adds the mass, momentum, force and volume flows to the nodes.
 pub struct Scatter;
@@ -17,8 +17,8 @@ impl Body for Scatter {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         for ((m, s), rows) in io.mass.iter().zip(io.stress.iter()).zip(io.rows.iter_mut()) {
-            let [mass, px, py, pz] = m.each_ref().map(S::load);
-            let [xx, xy, xz, yy, yz, zz, volume] = s.each_ref().map(S::load);
+            let [mass, px, py, pz] = load::<S, 4>(m);
+            let [xx, xy, xz, yy, yz, zz, volume] = load::<S, 7>(s);
             to_rows([mass, px, py, pz], [xx, xy, xz, yy, yz, zz], volume, rows);
         }
         scatter_rows::<S>(at, &io.weights, &io.rows, &mut io.nodes);

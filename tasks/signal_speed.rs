@@ -3,7 +3,7 @@ use crate::data::labels::{
     Fault, Identity, InitialVolume, Mass, Position, SignalSpeed as SignalSpeedLabel, StiffnessBound, Velocity,
 };
 use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::simd::{Simd, load};
 
 /// max_p (c + |v|), with ρ₀ c² from the law's bound: what limits the next step.
 pub struct SignalSpeed;
@@ -23,7 +23,7 @@ impl Body for SignalSpeed {
         let scalars = io.mass.iter().zip(io.initial_volume.iter()).zip(io.stiffness.iter());
         for (tile, (((m, v0), stiffness), v)) in scalars.zip(io.velocity.iter()).enumerate() {
             let c2 = S::load(stiffness) * S::load(v0) / S::load(m).max(tiny);
-            let [x, y, z] = v.each_ref().map(S::load);
+            let [x, y, z] = load::<S, 3>(v);
             let speed = c2.sqrt() + x.fma(x, y.fma(y, z * z)).sqrt();
             let finite = speed.lt(S::splat(f64::INFINITY));
             let here = at.lanes(tile);

@@ -6,7 +6,7 @@ use crate::data::reduction::earlier;
 use crate::graph::task::{At, Body};
 use crate::physics::law::{Events, Kinematics, Law, MAX_HISTORY};
 use crate::physics::tensor::{determinant, increment, multiply};
-use crate::simd::{LANES, Mask, Simd, Wide};
+use crate::simd::{LANES, Mask, Simd, Wide, load, store};
 
 /// F ← (1 + Δt L) F, then τ(F, history) of one law, V = J V⁰, and the bound of ρ₀ c².
 ///
@@ -42,16 +42,18 @@ impl<L: Law> Body for Stress<L> {
         let tiles = io.gradient.iter().zip(io.deformation.iter_mut()).zip(io.stress.iter_mut());
         let scalars = io.initial_volume.iter().zip(io.volume.iter_mut()).zip(io.stiffness.iter_mut());
         for (tile, (((l, f), tau), ((v0, volume), stiffness))) in tiles.zip(scalars).enumerate() {
-            let old = f.each_ref().map(S::load);
-            let step = increment(&l.each_ref().map(S::load), dt);
+            let old = load(f);
+            let step = increment(&load(l), dt);
             let new = multiply(&step, &old);
             let kinematics = Kinematics { f: new, j: determinant(&new), increment: step };
             let lines = L::HISTORY.len();
             let history = &mut io.history[tile * lines..(tile + 1) * lines];
             let mut h = [S::splat(0.0); MAX_HISTORY];
-            h.iter_mut().zip(&*history).for_each(|(h, line)| *h = S::load(line));
+            for (h, line) in h.iter_mut().zip(&*history) {
+                *h = S::load(line);
+            }
             let response = self.0.update(&kinematics, &mut h[..lines]);
-            h.iter().zip(history).for_each(|(h, line)| h.store(line));
+            store(&h[..lines], history);
 
             let frozen = response.events.frozen;
             for c in 0..9 {
@@ -60,7 +62,7 @@ impl<L: Law> Body for Stress<L> {
             // a frozen particle keeps its volume with its F
             let j = S::select(frozen, S::load(volume), kinematics.j * S::load(v0));
             j.store(volume);
-            response.kirchhoff.iter().zip(tau).for_each(|(t, line)| t.store(line));
+            store(&response.kirchhoff, tau);
             response.modulus.store(stiffness);
 
             let Events { matrix_failed, fiber_failed, inverted, .. } = response.events;

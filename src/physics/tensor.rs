@@ -48,16 +48,23 @@ pub fn trace<S: Simd>(a: &[S; 6]) -> S {
 /// A B
 #[inline(always)]
 pub fn multiply<S: Simd>(a: &[S; 9], b: &[S; 9]) -> [S; 9] {
-    std::array::from_fn(|n| {
-        let (i, j) = (n / 3, n % 3);
-        a[3 * i].fma(b[j], a[3 * i + 1].fma(b[3 + j], a[3 * i + 2] * b[6 + j]))
-    })
+    let mut product = *a;
+    for i in 0..3 {
+        for j in 0..3 {
+            product[3 * i + j] = a[3 * i].fma(b[j], a[3 * i + 1].fma(b[3 + j], a[3 * i + 2] * b[6 + j]));
+        }
+    }
+    product
 }
 
 /// 1 + Δt L
 #[inline(always)]
 pub fn increment<S: Simd>(l: &[S; 9], dt: S) -> [S; 9] {
-    std::array::from_fn(|n| dt.fma(l[n], S::splat(if n % 4 == 0 { 1.0 } else { 0.0 })))
+    let mut f = *l;
+    for (n, entry) in f.iter_mut().enumerate() {
+        *entry = dt.fma(l[n], S::splat(if n % 4 == 0 { 1.0 } else { 0.0 }));
+    }
+    f
 }
 
 /// (tr A / 3, J₂, J₃) of a symmetric tensor: its mean and the invariants ½ s:s and det s of its deviator s.
@@ -94,14 +101,12 @@ pub fn push_forward<S: Simd>(f: &[S; 9], a: &[S; 6]) -> [S; 6] {
 #[inline(always)]
 pub fn solve<S: Simd>(a: &[S; 9], b: &[S; 9]) -> [S; 9] {
     let inverse_det = S::splat(1.0) / determinant(a);
-    // the cofactor of entry (column, row), by cyclic neighbors
-    let inverse: [S; 9] = std::array::from_fn(|e| {
+    let mut inverse = *a;
+    for (e, entry) in inverse.iter_mut().enumerate() {
         let (row, column) = (e / 3, e % 3);
+        // the cofactor of entry (column, row), by cyclic neighbors
         let at = |i: usize, k: usize| a[3 * ((column + i) % 3) + (row + k) % 3];
-        at(1, 1).fms(at(2, 2), at(1, 2) * at(2, 1)) * inverse_det
-    });
-    std::array::from_fn(|e| {
-        let (row, k) = (3 * (e / 3), e % 3);
-        inverse[row].fma(b[k], inverse[row + 1].fma(b[3 + k], inverse[row + 2] * b[6 + k]))
-    })
+        *entry = at(1, 1).fms(at(2, 2), at(1, 2) * at(2, 1)) * inverse_det;
+    }
+    multiply(&inverse, b)
 }

@@ -183,6 +183,25 @@ fn with_avx512<J: Job>(job: J) -> J::Output {
     job.run::<Avx512>()
 }
 
+/// Loads lines. A loop, not `map`: the standard library may be compiled as functions of its own, without the
+/// instruction set of the caller.
+#[inline(always)]
+pub fn load<S: Simd, const N: usize>(lines: &[Wide; N]) -> [S; N] {
+    let mut vectors = [S::splat(0.0); N];
+    for (vector, line) in vectors.iter_mut().zip(lines) {
+        *vector = S::load(line);
+    }
+    vectors
+}
+
+/// Stores vectors to lines; as many as there are of both.
+#[inline(always)]
+pub fn store<S: Simd>(vectors: &[S], lines: &mut [Wide]) {
+    for (vector, line) in vectors.iter().zip(lines) {
+        vector.store(line);
+    }
+}
+
 /// Asks for the line `ahead` lines after the first of `lines`, inside the slice or not.
 #[inline(always)]
 #[allow(unsafe_code)]

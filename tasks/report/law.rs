@@ -3,7 +3,7 @@ use crate::data::labels::{Deformation, FailedCount, History, InitialVolume, Mate
 use crate::graph::task::{At, Body};
 use crate::physics::law::{Kinematics, Law, MAX_HISTORY};
 use crate::physics::tensor::{determinant, increment};
-use crate::simd::{Mask, Simd};
+use crate::simd::{Mask, Simd, load};
 
 /// Strain, plastic and fracture energy of one material, and its failed particles by kind.
 pub struct ReportLaw<L> {
@@ -25,7 +25,7 @@ impl<L: Law> Body for ReportLaw<L> {
         let (mut energy, mut failed) = ([zero; 3], [0.0; 4]);
         let lines = L::HISTORY.len();
         for (tile, (v0, f)) in io.initial_volume.iter().zip(io.deformation.iter()).enumerate() {
-            let (v0, f) = (S::load(v0), f.each_ref().map(S::load));
+            let (v0, f) = (S::load(v0), load(f));
             let mut h = [zero; MAX_HISTORY];
             let history = &io.history[tile * lines..(tile + 1) * lines];
             h.iter_mut().zip(history).for_each(|(h, line)| *h = S::load(line));

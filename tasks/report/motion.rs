@@ -1,7 +1,7 @@
 use super::add_all;
 use crate::data::labels::{Mass, MaterialEnergy, MaterialMotion, Position, Velocity};
 use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::simd::{Simd, load};
 
 /// Kinetic energy, mass, momentum, center of mass and angular momentum of one material.
 pub struct ReportMotion;
@@ -17,7 +17,7 @@ impl Body for ReportMotion {
         let zero = S::splat(0.0);
         let (mut kinetic, mut motion) = (zero, [zero; 10]);
         for ((m, x), v) in io.mass.iter().zip(io.position.iter()).zip(io.velocity.iter()) {
-            let (m, x, v) = (S::load(m), x.each_ref().map(S::load), v.each_ref().map(S::load));
+            let (m, x, v) = (S::load(m), load::<S, 3>(x), load::<S, 3>(v));
             kinetic = (m * S::splat(0.5)).fma(v[0].fma(v[0], v[1].fma(v[1], v[2] * v[2])), kinetic);
             motion[0] = motion[0] + m;
             for a in 0..3 {
