@@ -6,5 +6,6 @@ pub mod snapshot;
 pub mod space;
 pub mod summary;
 pub mod vtkhdf;
+pub mod wound;
 
 pub use error::{Error, Result};
