@@ -2,6 +2,7 @@
 mod error;
 pub mod frame;
 pub mod history;
+pub mod picture;
 pub mod snapshot;
 pub mod space;
 pub mod summary;

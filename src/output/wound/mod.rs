@@ -20,6 +20,7 @@ mod attached;
 mod layer;
 mod report;
 
+pub(crate) use attached::attached;
 pub use layer::{Ellipse, Layer};
 pub use report::{Failed, Passage, Report};
 
@@ -102,7 +103,7 @@ pub fn measure(scene: &Scene, first: Option<&dyn Frame>, last: &dyn Frame) -> Re
 
 /// Measures tissue alone; see the module for what each number means.
 pub fn measure_tissue(tissue: &Tissue, scale: Scale) -> Report {
-    let attached = attached::attached(tissue, 2.0 * scale.spacing, scale.caliber);
+    let attached = attached(tissue, 2.0 * scale.spacing, scale.caliber);
     let count = ((scale.thickness / (2.0 * scale.spacing)).round() as usize).max(1);
     let mut members = vec![Vec::new(); count];
     for (i, start) in tissue.start.iter().enumerate() {
@@ -146,7 +147,8 @@ fn of_material(frame: &dyn Frame, material: usize, wound: &Wound) -> Vec<[f64; 3
     ours.map(|(&x, _)| shot_coordinates(wound, x)).collect()
 }
 
-fn tissue(wound: &Wound, first: Option<&dyn Frame>, last: &dyn Frame) -> Tissue {
+/// The target's particles, in the order of the last frame.
+pub(crate) fn tissue(wound: &Wound, first: Option<&dyn Frame>, last: &dyn Frame) -> Tissue {
     let (positions, materials, identities) = (last.positions(), last.materials(), last.identities());
     let failure = scalars(last, "failure").unwrap_or_default();
     let began: HashMap<u64, [f32; 3]> =
