@@ -94,9 +94,14 @@ fn snapshot(shot: bool) -> Snapshot {
             let hole = 5.0 * MM + 0.35 * depth;
             if radius < 4.5 * MM {
                 // Spray: what lay in the way.
-                x = [x[0] + u * (1.5 * noise), x[1] - (14.0 + 6.0 * noise) * MM + depth, x[2] + v * (1.5 * noise)];
+                x = [
+                    x[0] + u * (1.5 * noise),
+                    x[1] - (14.0 + 6.0 * noise) * MM + depth,
+                    x[2] + v * (1.5 * noise),
+                ];
             } else {
-                let pushed = (radius.powi(2) + 0.7 * hole.powi(2) * (-(radius / (9.0 * MM)).powi(2)).exp()).sqrt();
+                let pushed =
+                    (radius.powi(2) + 0.7 * hole.powi(2) * (-(radius / (9.0 * MM)).powi(2)).exp()).sqrt();
                 x[0] += u * (pushed / radius - 1.0);
                 x[2] += v * (pushed / radius - 1.0);
                 x[1] -= 4.0 * MM * (-(radius / (8.0 * MM)).powi(2)).exp() * depth / (10.0 * MM);
@@ -113,7 +118,8 @@ fn snapshot(shot: bool) -> Snapshot {
             add(1, [25.0 * MM + a, middle + b, 25.0 * MM + c], f32::NAN, tip as f32, 50.0);
         }
     }
-    let field = |name: &str, unit: &str, components| Field { name: name.into(), unit: unit.into(), components };
+    let field =
+        |name: &str, unit: &str, components| Field { name: name.into(), unit: unit.into(), components };
     s.columns = vec![
         (field("failure", "1", 1), failure),
         (field("plastic_strain", "1", 1), plastic),

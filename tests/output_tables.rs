@@ -51,7 +51,8 @@ fn a_full_disk_is_an_error() {
 fn a_summary_comes_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("summary.json");
-    let mut summary = Summary { status: Status::Completed, steps: 7, time_s: 1.0 / 3.0, ..Summary::default() };
+    let mut summary =
+        Summary { status: Status::Completed, steps: 7, time_s: 1.0 / 3.0, ..Summary::default() };
     summary.state_hash = hex(0xff);
     summary.patches = [2, 1, 3];
     let failure = FirstFailure { time_s: 1e-5, position_m: [0.1, 0.2, 0.3], particle: 1 << 60 };

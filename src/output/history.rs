@@ -107,7 +107,8 @@ impl History {
     pub fn resume(path: &Path, columns: &[Column], time: f64) -> Result<Self> {
         let old = std::fs::read_to_string(path).map_err(io("read", path))?;
         let mut history = Self::create(path, columns)?;
-        let early = |line: &&str| line.split(',').next().and_then(|t| t.parse().ok()).is_some_and(|t: f64| t <= time);
+        let early =
+            |line: &&str| line.split(',').next().and_then(|t| t.parse().ok()).is_some_and(|t: f64| t <= time);
         for line in old.lines().skip(1).filter(early) {
             history.line([line.to_string()].into_iter())?;
         }

@@ -49,6 +49,9 @@ impl Frame for Snapshot {
 
     /// Empty for a field that was not read.
     fn column(&self, field: &Field) -> Vec<f32> {
-        self.columns.iter().find(|(f, _)| f.name == field.name).map_or(Vec::new(), |(_, values)| values.clone())
+        self.columns
+            .iter()
+            .find(|(f, _)| f.name == field.name)
+            .map_or(Vec::new(), |(_, values)| values.clone())
     }
 }

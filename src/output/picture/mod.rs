@@ -14,6 +14,9 @@ use canvas::shade;
 use ink::Ink;
 use sheet::{Sheet, Window};
 
+/// Radius of a particle in spacings: neighbors on a square lattice just cover what is behind them.
+const BALL: f64 = 0.72;
+
 /// A section one cell thick. In the scene of a shot: along the flight, through the point of entry, flight downwards;
 /// else across the thinnest axis of the domain, through its middle.
 pub fn section(frame: &dyn Frame, scene: &Scene, coloring: Coloring) -> Canvas {
@@ -47,7 +50,12 @@ pub fn section(frame: &dyn Frame, scene: &Scene, coloring: Coloring) -> Canvas {
 
 /// The surface of exit, seen against the flight; tissue inside the tract is darker, loose spray and a projectile
 /// that has left are not shown. Needs the first frame to know what is loose. `None` if the scene is no shot.
-pub fn exit_face(frame: &dyn Frame, first: Option<&dyn Frame>, scene: &Scene, coloring: Coloring) -> Option<Canvas> {
+pub fn exit_face(
+    frame: &dyn Frame,
+    first: Option<&dyn Frame>,
+    scene: &Scene,
+    coloring: Coloring,
+) -> Option<Canvas> {
     let wound = scene.output.wound.as_ref()?;
     let domain = &scene.domain;
     let low = domain.lower;
@@ -70,15 +78,20 @@ pub fn exit_face(frame: &dyn Frame, first: Option<&dyn Frame>, scene: &Scene, co
     draw(&mut sheet, frame, scene, coloring, |i, x| {
         let material = usize::from(materials[i]);
         // One answer a target particle, in the order of the frame.
-        let visible = if material == wound.target { shown.next()? } else { material != wound.projectile || !left };
+        let visible =
+            if material == wound.target { shown.next()? } else { material != wound.projectile || !left };
         let inside = ((thickness - depth(x)) / thickness).clamp(0.0, 1.0);
         visible.then_some((depth(x), 1.0 - 0.62 * inside))
     });
-    let note = if left { "exit face, seen against the flight; spray and projectile hidden" } else { "exit face, seen against the flight; spray hidden" };
+    let note = if left {
+        "exit face, seen against the flight; spray and projectile hidden"
+    } else {
+        "exit face, seen against the flight; spray hidden"
+    };
     Some(finish(sheet, frame, scene, note))
 }
 
-/// Draws the particles for which `pick(index, position)` gives nearness to the viewer and light, nearest last.
+/// Draws the particles for which `pick(index, position)` gives nearness to the viewer [m] and light, nearest last.
 fn draw(
     sheet: &mut Sheet,
     frame: &dyn Frame,
@@ -89,7 +102,7 @@ fn draw(
     let ink = Ink::new(frame, scene, coloring);
     let materials = frame.materials();
     let radii: Vec<f64> = (0..scene.materials.len().max(1))
-        .map(|material| (0.56 * spacing(scene, material) * sheet.scale).max(0.9))
+        .map(|material| (BALL * spacing(scene, material) * sheet.scale).max(0.9))
         .collect();
     let mut picked: Vec<_> = frame
         .positions()
@@ -102,10 +115,10 @@ fn draw(
         })
         .collect();
     picked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, i, x, light) in picked {
+    for (near, i, x, light) in picked {
         let radius = radii.get(usize::from(materials[i])).copied().unwrap_or(radii[0]);
         let center = sheet.place(x);
-        sheet.canvas.ball(center, radius, shade(ink.colors[i], light));
+        sheet.canvas.ball(center, near * sheet.scale, radius, shade(ink.colors[i], light));
     }
     sheet.legend(&ink.legend);
 }

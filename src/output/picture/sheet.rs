@@ -57,7 +57,9 @@ impl Sheet {
 
     /// Whether a point is in the window.
     pub fn shows(&self, x: [f64; 3]) -> bool {
-        [self.window.across.0, self.window.up.0].iter().all(|&a| self.window.low[a] <= x[a] && x[a] <= self.window.high[a])
+        [self.window.across.0, self.window.up.0]
+            .iter()
+            .all(|&a| self.window.low[a] <= x[a] && x[a] <= self.window.high[a])
     }
 
     /// A thin line across the window at a height along the upward axis [m].
@@ -97,7 +99,7 @@ impl Sheet {
         for entry in entries {
             x = match entry {
                 Entry::Ball(color, text) => {
-                    self.canvas.ball([x + 8.0, y], 8.0, *color);
+                    self.canvas.ball([x + 8.0, y], 0.0, 8.0, *color);
                     self.label(text, [x + 22.0, y])
                 }
                 Entry::Bar(color, top, what) => {
@@ -115,7 +117,6 @@ impl Sheet {
     }
 
     fn scale_bar(&mut self, y: f64) {
-        // A third of the largest round length that fits the window, or so.
         let length = round_up(0.08 * self.size[0] / self.scale);
         let [left, right] = [MARGIN, MARGIN + length * self.scale];
         self.canvas.stroke([left, y], [right, y], 1.2, TEXT);
@@ -126,7 +127,7 @@ impl Sheet {
     }
 
     fn directions(&mut self, y: f64) {
-        let origin = [WIDTH - MARGIN - 60.0, y];
+        let origin = [WIDTH - MARGIN - 46.0, y + 18.0];
         let Window { across, up, .. } = self.window;
         for (axis, step) in [(across.0, [across.1, 0.0]), (up.0, [0.0, -up.1])] {
             let tip = [0, 1].map(|a| origin[a] + 22.0 * step[a]);

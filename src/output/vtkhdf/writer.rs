@@ -103,7 +103,8 @@ impl Writer {
         let root = self.file.create_group(name::ROOT)?;
         root.new_attr::<i64>().shape(2).create("Version")?.write_raw(&[2i64, 0])?;
         // Older readers know only fixed-length ASCII here.
-        let kind = FixedAscii::<8>::from_ascii("PolyData").map_err(|e| hdf5::Error::Internal(e.to_string()))?;
+        let kind =
+            FixedAscii::<8>::from_ascii("PolyData").map_err(|e| hdf5::Error::Internal(e.to_string()))?;
         root.new_attr::<FixedAscii<8>>().create("Type")?.write_scalar(&kind)?;
 
         table::<i64>(&root, name::COUNTS, 1)?;
@@ -277,6 +278,7 @@ fn link(root: &Group, dataset: &str, alias: &str) -> hdf5::Result<()> {
 }
 
 fn unit(dataset: &Dataset, symbol: &str) -> hdf5::Result<()> {
-    let symbol: VarLenUnicode = symbol.parse().map_err(|_| hdf5::Error::Internal("a unit holds a NUL".into()))?;
+    let symbol: VarLenUnicode =
+        symbol.parse().map_err(|_| hdf5::Error::Internal("a unit holds a NUL".into()))?;
     dataset.new_attr::<VarLenUnicode>().create(name::UNIT)?.write_scalar(&symbol)
 }

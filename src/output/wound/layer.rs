@@ -39,7 +39,13 @@ pub struct Layer {
 }
 
 impl Layer {
-    pub(super) fn measure(tissue: &Tissue, attached: &[bool], members: &[usize], depth: f64, scale: Scale) -> Self {
+    pub(super) fn measure(
+        tissue: &Tissue,
+        attached: &[bool],
+        members: &[usize],
+        depth: f64,
+        scale: Scale,
+    ) -> Self {
         let failed = |i: &usize| tissue.failure[*i] != code::NONE;
         let lateral = |i: usize| [tissue.now[i][0], tissue.now[i][1]];
         let mut raster = Raster::around(members.iter().map(|&i| tissue.start[i]), scale.spacing);
@@ -62,7 +68,8 @@ impl Layer {
             cavity_m: diameter,
             failed_layer_m: raster.diameter(&joined),
             failed_reach_m: reach(&cloud, center, 0.5 * diameter),
-            failed_fraction: members.iter().filter(|i| failed(i)).count() as f64 / members.len().max(1) as f64,
+            failed_fraction: members.iter().filter(|i| failed(i)).count() as f64
+                / members.len().max(1) as f64,
             cavity: shape,
             failed: ellipse(cloud.into_iter()),
         }
@@ -91,7 +98,8 @@ impl Raster {
             high = [high[0].max(x[0]), high[1].max(x[1])];
         }
         let pitch = 0.5 * spacing;
-        let size = [0, 1].map(|a| if low[a] <= high[a] { ((high[a] - low[a]) / pitch) as usize + 1 } else { 0 });
+        let size =
+            [0, 1].map(|a| if low[a] <= high[a] { ((high[a] - low[a]) / pitch) as usize + 1 } else { 0 });
         let cells = size[0] * size[1];
         Self { low, size, pitch, near: vec![0; cells], near_failed: vec![0; cells] }
     }

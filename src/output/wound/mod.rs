@@ -111,8 +111,11 @@ pub fn measure_tissue(tissue: &Tissue, scale: Scale) -> Report {
         members[k.min(count - 1)].push(i);
     }
     let depth = |k: usize| (k as f64 + 0.5) / count as f64 * scale.thickness;
-    let layers =
-        members.iter().enumerate().map(|(k, m)| Layer::measure(tissue, &attached, m, depth(k), scale)).collect();
+    let layers = members
+        .iter()
+        .enumerate()
+        .map(|(k, m)| Layer::measure(tissue, &attached, m, depth(k), scale))
+        .collect();
     Report::of(tissue, &attached, layers, scale)
 }
 

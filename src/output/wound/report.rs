@@ -162,9 +162,8 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         writeln!(f, "Wound at {:.4} ms", self.time_s * 1e3)?;
         self.notes().iter().try_for_each(|note| writeln!(f, "{note}"))?;
-        let ellipse = |e: Option<Ellipse>| {
-            e.map_or("-".into(), |e| format!("{:.2} at {:.0}°", e.ratio, e.angle_deg))
-        };
+        let ellipse =
+            |e: Option<Ellipse>| e.map_or("-".into(), |e| format!("{:.2} at {:.0}°", e.ratio, e.angle_deg));
         let failed = self.failed_fraction;
         let percent = |x: f64| format!("{:.2} %", 100.0 * x);
         let rows = [
