@@ -2,9 +2,11 @@
 mod error;
 pub mod frame;
 pub mod history;
+pub mod picture;
 pub mod snapshot;
 pub mod space;
 pub mod summary;
 pub mod vtkhdf;
+pub mod wound;
 
 pub use error::{Error, Result};
