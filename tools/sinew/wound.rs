@@ -1,15 +1,80 @@
+//! `sinew wound`: measures of a shot through a slab, beside the paper's.
 use super::fail::Failure;
+use sinew::input::scene::Scene;
+use sinew::output::frame::Frame;
+use sinew::output::snapshot::Snapshot;
+use sinew::output::vtkhdf::Reader;
+use sinew::output::wound::{Report, Unmeasured, measure};
 use std::path::{Path, PathBuf};
-/// Measure the wound of a run
+
+/// Measure the wound that a run left: entry, exit, cavity and failed layer by depth, beside the paper's
 #[derive(clap::Args)]
 pub struct Args {
     /// Folder of a run
     dir: PathBuf,
+    /// Which frame, counted from 0 (default: the last)
+    #[arg(long, value_name = "K")]
+    frame: Option<usize>,
+    /// Print JSON instead of a table
+    #[arg(long)]
+    json: bool,
 }
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    print(&args.dir)
-}
-pub fn print(_folder: &Path) -> Result<(), Failure> {
+    let report = report(&args.dir, args.frame)?;
+    if args.json {
+        println!("{:#}", report.json())
+    } else {
+        print!("{report}")
+    }
     Ok(())
+}
+
+/// Prints the table of a run that has just ended.
+pub fn print(folder: &Path) -> Result<(), Failure> {
+    print!("\n{}", report(folder, None)?);
+    Ok(())
+}
+
+fn report(folder: &Path, frame: Option<usize>) -> Result<Report, Failure> {
+    let shown = load(folder, frame)?;
+    let first: Option<&dyn Frame> = shown.first.as_ref().map(|first| first as &dyn Frame);
+    measure(&shown.scene, first, &shown.frame).map_err(|error| match error {
+        Unmeasured::NoSection => Failure::usage(error),
+        Unmeasured::NoTarget => Failure::Run(error.to_string()),
+    })
+}
+
+/// A frame of a run, with the scene and the first frame.
+pub struct Shown {
+    /// The scene as it was run.
+    pub scene: Scene,
+    /// The first frame, if it is another one.
+    pub first: Option<Snapshot>,
+    /// The frame.
+    pub frame: Snapshot,
+}
+
+/// Fields that wound and pictures use.
+const FIELDS: [&str; 3] = ["failure", "plastic_strain", "velocity"];
+
+/// Loads frame `frame` (default: the last) of the run in `folder`.
+pub fn load(folder: &Path, frame: Option<usize>) -> Result<Shown, Failure> {
+    let file = folder.join("particles.vtkhdf");
+    if !file.exists() {
+        return Err(Failure::usage(format!(
+            "{} holds no particles.vtkhdf: name the folder of a run that wrote frames (output.frames above 0)",
+            folder.display()
+        )));
+    }
+    let scene = sinew::input::read(&folder.join("scene.toml"), &[])?;
+    let reader = Reader::open(&file)?;
+    let last = reader.frames().saturating_sub(1);
+    let chosen = frame.unwrap_or(last);
+    if chosen > last {
+        return Err(Failure::usage(format!("there is no frame {chosen}: the run has frames 0 to {last}")));
+    }
+    let first = (chosen > 0).then(|| reader.frame_with(0, &["failure"])).transpose()?;
+    Ok(Shown { scene, first, frame: reader.frame_with(chosen, &FIELDS)? })
 }
