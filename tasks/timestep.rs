@@ -28,7 +28,7 @@ use super::stress_flow::StressFlow;
 use super::timestep_size::TimestepSize;
 use super::viscosity::Viscosity;
 use super::weights::Weights;
-use crate::graph::build::{Entry, Recipe};
+use crate::graph::recipe::{Entry, Recipe};
 use crate::graph::task::Runnable;
 use crate::input::scene::{Behavior, FaceCondition, RigidMotion as Motion, Scene, ShapeFunction};
 use crate::physics::contact::surface::SurfaceTable;
