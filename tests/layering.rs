@@ -99,7 +99,6 @@ fn graph_and_executor_know_no_physics() {
     }
     let laws = ["stress", "law", "laws", "contact", "friction", "viscosity", "failure", "strain", "cfl", "modulus"];
     without(&["src/graph", "src/exec"], &laws);
-    without(&["src/graph", "src/exec"], &["tasks::"]);
     without_text(&["src/graph", "src/exec"], &["crate::tasks", "crate::simulation", "crate::output"], "-");
 }
 

@@ -90,7 +90,7 @@ impl TaskGraph {
     pub fn build(recipe: Recipe, outputs: &[LabelId], patches: usize) -> Result<Self, GraphError> {
         let mut graph = derive(&recipe, patches)?;
         let (pruned, carried) = prune::prune(&mut graph, outputs);
-        let phases = fuse::fuse(&graph, &recipe)?;
+        let phases = fuse::fuse(&graph, &recipe, patches)?;
         Ok(Self { recipe, graph, phases, pruned, carried })
     }
 
@@ -119,11 +119,8 @@ struct Derivation<'a> {
 }
 
 fn derive(recipe: &Recipe, patches: usize) -> Result<Graph, GraphError> {
-    let everywhere = match patches {
-        1 => "patch 0".to_owned(),
-        n => format!("patches 0 to {}", n - 1),
-    };
-    let mut derivation = Derivation { recipe, graph: Graph::new(), slots: BTreeMap::new(), everywhere };
+    let (graph, slots, everywhere) = (Graph::new(), BTreeMap::new(), everywhere(patches));
+    let mut derivation = Derivation { recipe, graph, slots, everywhere };
     for (index, entry) in recipe.entries.iter().enumerate() {
         let declaration = entry.task.declaration();
         let name = match entry.material {
@@ -230,6 +227,14 @@ impl Derivation<'_> {
             }
             None => GraphError::NoProducer { task, label, patches },
         }
+    }
+}
+
+/// All of `patches` patches, in messages.
+pub(super) fn everywhere(patches: usize) -> String {
+    match patches {
+        1 => "patch 0".to_owned(),
+        n => format!("patches 0 to {}", n - 1),
     }
 }
 
