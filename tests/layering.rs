@@ -29,7 +29,8 @@ fn sources(folders: &[&str]) -> Vec<(String, String)> {
 /// A file's lines of code with their numbers: no comments, and nothing from its test module on.
 fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let program = text.split("#[cfg(test)]").next().unwrap_or_default();
-    let lines = program.lines().enumerate().map(|(n, line)| (n + 1, line.split("//").next().unwrap_or_default()));
+    let lines =
+        program.lines().enumerate().map(|(n, line)| (n + 1, line.split("//").next().unwrap_or_default()));
     lines.filter(|(_, line)| !line.trim().is_empty())
 }
 
@@ -66,7 +67,8 @@ fn without_text(folders: &[&str], forbidden: &[&str], allowed: &str) {
 
 #[test]
 fn physics_knows_no_patch_no_task_and_no_engine() {
-    let engine = ["patch", "patches", "task", "tasks", "warehouse", "rayon", "petgraph", "mpi", "graph", "exec"];
+    let engine =
+        ["patch", "patches", "task", "tasks", "warehouse", "rayon", "petgraph", "mpi", "graph", "exec"];
     without(&["src/physics"], &engine);
 }
 
@@ -97,7 +99,8 @@ fn graph_and_executor_know_no_physics() {
             assert_eq!(stranger, None, "{file}:{number}: {line}");
         }
     }
-    let laws = ["stress", "law", "laws", "contact", "friction", "viscosity", "failure", "strain", "cfl", "modulus"];
+    let laws =
+        ["stress", "law", "laws", "contact", "friction", "viscosity", "failure", "strain", "cfl", "modulus"];
     without(&["src/graph", "src/exec"], &laws);
     without_text(&["src/graph", "src/exec"], &["crate::tasks", "crate::simulation", "crate::output"], "-");
 }
@@ -118,7 +121,8 @@ fn unsafe_code_lives_in_the_simd_layer_alone() {
 
 #[test]
 fn no_file_is_longer_than_400_lines() {
-    let long = sources(&["src", "tasks", "tools"]).into_iter().map(|(file, text)| (text.lines().count(), file));
+    let long =
+        sources(&["src", "tasks", "tools"]).into_iter().map(|(file, text)| (text.lines().count(), file));
     assert_eq!(long.filter(|(lines, _)| *lines > 400).collect::<Vec<_>>(), []);
 }
 

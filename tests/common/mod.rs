@@ -16,7 +16,8 @@ fn owned(overrides: Overrides<'_>) -> Vec<(String, String)> {
 /// The scene of a text, with overrides.
 #[track_caller]
 pub fn scene(text: &str, overrides: Overrides<'_>) -> Scene {
-    read_text("test", text, &owned(overrides), None).unwrap_or_else(|e| panic!("{:?}", miette::Report::new(e)))
+    read_text("test", text, &owned(overrides), None)
+        .unwrap_or_else(|e| panic!("{:?}", miette::Report::new(e)))
 }
 
 /// A scene of `problems/`, with overrides.
