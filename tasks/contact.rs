@@ -23,6 +23,10 @@ pub struct Contact {
     pub rigid: Vec<bool>,
     /// Where surfaces lie, for each material.
     pub surfaces: Vec<SurfaceTable>,
+    /// The faces x−, x+, y−, y+, z−, z+ that are symmetry planes: a body that ends there has no surface there.
+    pub symmetric: [bool; 6],
+    /// Cells of the level along each axis.
+    pub cells: [usize; 3],
 }
 
 /// Two materials that touch.
@@ -58,6 +62,8 @@ struct Side<'a> {
     sums: &'a Wide,
     surface: &'a Wide,
     velocity: [f64; 3],
+    /// Axes across which the material goes on beyond the domain.
+    mirrored: [bool; 3],
 }
 
 impl Side<'_> {
@@ -66,7 +72,7 @@ impl Side<'_> {
     }
     /// Σ V ∇S: points out of the material.
     fn outward(&self) -> [f64; 3] {
-        [self.surface.0[4], self.surface.0[5], self.surface.0[6]]
+        std::array::from_fn(|a| if self.mirrored[a] { 0.0 } else { self.surface.0[4 + a] })
     }
     fn force(&self) -> [f64; 3] {
         [self.sums.0[4], self.sums.0[5], self.sums.0[6]]
@@ -91,11 +97,13 @@ impl Contact {
                     continue;
                 }
                 let node = self.lattice.node(at.node, n);
+                let mirrored = self.mirrored(at.node, n as i32);
                 let sides = [0, 1].map(|i| Side {
                     material: pair.between[i],
                     sums: &io.sums[lines[i]],
                     surface: &io.surfaces[lines[i]],
                     velocity: [0, 1, 2].map(|axis| io.motion[lines[i]].0[axis]),
+                    mirrored,
                 });
                 let Some((exchange, masses)) = self.exchange(pair, &sides, node, &io.bodies) else {
                     continue;
@@ -121,6 +129,15 @@ impl Contact {
         }
     }
 
+    /// Axes on which the node lies on, or beyond, a symmetry plane.
+    fn mirrored(&self, first: [i32; 3], n: i32) -> [bool; 3] {
+        std::array::from_fn(|a| {
+            let node = first[a] + (n >> (4 - 2 * a) & 3);
+            (self.symmetric[2 * a] && node <= 0)
+                || (self.symmetric[2 * a + 1] && node >= self.cells[a] as i32)
+        })
+    }
+
     /// What the pair exchanges at a node, and the masses that took part; `None`: the surfaces do not touch.
     fn exchange(
         &self,
@@ -130,12 +147,7 @@ impl Contact {
         bodies: &[RigidState],
     ) -> Option<(Exchange, [f64; 2])> {
         let [a, b] = sides;
-        let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
-        let length = dot(difference, difference).sqrt();
-        if length <= 0.0 {
-            return None;
-        }
-        let normal = difference.map(|d| d / length);
+        let (normal, area) = self.normal(sides)?;
         let before = |side: &Side<'_>, n| {
             self.surfaces[side.material].surface(side.center(node, n) / self.lattice.cell)
         };
@@ -147,7 +159,7 @@ impl Contact {
         let relative = std::array::from_fn(|i| a.velocity[i] - b.velocity[i]);
         let reduced_mass = self.reduced_mass(sides, masses, bodies)?;
         // the internal force of a uniformly stressed surface is −σ Σ V ∇S
-        let traction = (dot(b.force(), normal) - dot(a.force(), normal)) / length;
+        let traction = (dot(b.force(), normal) - dot(a.force(), normal)) / area;
         let seen = Pair { relative, reduced_mass, normal, traction };
         let exchange = match pair.law {
             ContactLaw::Bonded => bonded::exchange(&seen),
@@ -156,6 +168,20 @@ impl Contact {
             }
         };
         Some((exchange, masses))
+    }
+
+    /// Unit normal from a to b, and Σ V |∇S| of both sides. A rigid body's surface is known best: where one side is
+    /// rigid, its normal counts, so that the edges of the other side do not plow.
+    fn normal(&self, [a, b]: &[Side<'_>; 2]) -> Option<([f64; 3], f64)> {
+        let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
+        let direction = match [a, b].map(|side| self.rigid[side.material]) {
+            [true, false] => a.outward(),
+            [false, true] => b.outward().map(|g| -g),
+            _ => difference,
+        };
+        let length = dot(direction, direction).sqrt();
+        let area = dot(difference, difference).sqrt();
+        (length > 0.0 && area > 0.0).then(|| (direction.map(|d| d / length), area))
     }
 
     /// m_a m_b / (m_a + m_b). A rigid body counts with the share of its mass that its contact at this node has in

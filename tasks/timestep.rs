@@ -28,7 +28,7 @@ use super::stress_flow::StressFlow;
 use super::timestep_size::TimestepSize;
 use super::viscosity::Viscosity;
 use super::weights::Weights;
-use crate::graph::build::{Entry, Recipe};
+use crate::graph::recipe::{Entry, Recipe};
 use crate::graph::task::Runnable;
 use crate::input::scene::{Behavior, FaceCondition, RigidMotion as Motion, Scene, ShapeFunction};
 use crate::physics::contact::surface::SurfaceTable;
@@ -232,6 +232,8 @@ impl<'a> Builder<'a> {
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
             surfaces: surfaces.collect(),
+            symmetric: [0, 1, 2, 3, 4, 5].map(|face| self.scene.faces[face] == FaceCondition::Symmetric),
+            cells: self.scene.domain.cells,
         };
         self.nodes("contact", task);
     }

@@ -1,6 +1,7 @@
 //! A validated scene: everything in SI units, names resolved to indices, geometry ready to sample.
 //! `super::read` makes it from TOML; nothing else in Sinew reads scene files.
 use super::geometry::Solid;
+pub use crate::physics::contact::friction::Criterion;
 use crate::physics::materials::AnyLaw;
 use std::collections::BTreeMap;
 
@@ -165,17 +166,6 @@ pub enum ContactLaw {
         /// When it acts.
         criterion: Criterion,
     },
-}
-
-/// When frictional contact acts, besides the gap test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Criterion {
-    /// While the surfaces approach.
-    Approach,
-    /// While the surfaces approach or the normal traction between them is compressive.
-    ApproachOrCompression,
-    /// While the surfaces approach and the normal traction is compressive.
-    ApproachAndCompression,
 }
 
 /// Condition on a face of the domain.
