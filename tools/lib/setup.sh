@@ -8,7 +8,7 @@ target=${CARGO_TARGET_DIR:-$root/target}
 [[ $target = /* ]] || target=$PWD/$target
 export CARGO_TARGET_DIR=$target
 
-say() { printf '%s\n' "$*" >&2; }
+say() { printf '%s\n' "$@" >&2; }
 
 # Ends with status 2: the machine lacks something that only its user can give.
 stop() {
@@ -92,8 +92,8 @@ install() {
     say "installing $*"
     local apt=("${as[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300)
     # a list that cannot be refreshed may still do
-    "${apt[@]}" update </dev/null >&2 || say "apt-get update failed; going on with the lists that are there"
-    "${apt[@]}" install --yes --no-install-recommends "$@" </dev/null >&2 ||
+    "${apt[@]}" update </dev/null >/dev/null || say "apt-get update failed; going on with the lists that are there"
+    "${apt[@]}" install --yes --no-install-recommends -o Dpkg::Use-Pty=0 "$@" </dev/null >/dev/null ||
         stop "could not install $*: see above"
 }
 
