@@ -110,7 +110,7 @@ need_packages() {
         if command -v apt-get >/dev/null; then
             install "${debian[@]}"
         else
-            say "Sinew needs: $(printf '%s, ' "${others[@]}" | sed 's/, $//'). Install them, for example"
+            say "Sinew needs: $(printf '%s, ' "${others[@]}" | sed 's/, $//'). Install them:"
             if command -v dnf >/dev/null; then
                 stop "  sudo dnf install gcc pkgconf-pkg-config hdf5-devel python3"
             elif command -v pacman >/dev/null; then
@@ -120,7 +120,7 @@ need_packages() {
             elif [ "$(uname -s)" = Darwin ]; then
                 stop "  xcode-select --install; brew install hdf5 pkgconf python"
             fi
-            stop "  with your system's package manager; or set HDF5_DIR to an HDF5 that is elsewhere"
+            stop "  by your system's package manager, or set HDF5_DIR to an HDF5 that is elsewhere"
         fi
     fi
     point_at_hdf5
