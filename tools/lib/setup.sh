@@ -131,16 +131,18 @@ venv=$target/python
 wanted_readers=$root/tests/python/requirements.txt
 
 has_readers() {
+    [ -z "${have_readers:-}" ] || return 0
     if [ "$venv/ready" -nt "$wanted_readers" ] && "$venv/bin/python3" -c 'import h5py' 2>/dev/null; then
         PATH=$venv/bin:$PATH
     else
-        python3 -c 'import h5py, vtk' 2>/dev/null
+        python3 -c 'import h5py, vtk' 2>/dev/null || return 1
     fi
+    have_readers=yes
 }
 
 # Puts first in PATH a python3 that has the readers. False if there is none.
 need_readers() {
-    [[ $PATH = "$venv/bin:"* ]] || has_readers && return
+    has_readers && return
     say "installing Python packages into $venv"
     python3 -m venv --clear "$venv" >&2 &&
         "$venv/bin/python3" -m pip install --quiet --no-input --disable-pip-version-check --retries 2 --timeout 30 \
