@@ -2,7 +2,7 @@
 use super::error::GraphError;
 use super::fuse::{self, Phase};
 use super::prune;
-use super::recipe::{Edge, Graph, Node, Recipe, Why};
+use super::recipe::{Edge, Graph, Node, Recipe, Why, everywhere};
 use super::task::{Access, Mode};
 use crate::data::label::{Home, Reduce};
 use crate::data::labels::LabelId;
@@ -32,7 +32,7 @@ impl TaskGraph {
     pub fn build(recipe: Recipe, outputs: &[LabelId], patches: usize) -> Result<Self, GraphError> {
         let mut graph = derive(&recipe, patches)?;
         let (pruned, carried) = prune::prune(&mut graph, outputs);
-        let phases = fuse::fuse(&graph, &recipe)?;
+        let phases = fuse::fuse(&graph, &recipe, patches)?;
         Ok(Self { recipe, graph, phases, pruned, carried })
     }
 
@@ -61,11 +61,8 @@ struct Derivation<'a> {
 }
 
 fn derive(recipe: &Recipe, patches: usize) -> Result<Graph, GraphError> {
-    let everywhere = match patches {
-        1 => "patch 0".to_owned(),
-        n => format!("patches 0 to {}", n - 1),
-    };
-    let mut derivation = Derivation { recipe, graph: Graph::new(), slots: BTreeMap::new(), everywhere };
+    let (graph, slots, everywhere) = (Graph::new(), BTreeMap::new(), everywhere(patches));
+    let mut derivation = Derivation { recipe, graph, slots, everywhere };
     for (index, entry) in recipe.entries.iter().enumerate() {
         let declaration = entry.task.declaration();
         let name = match entry.material {

@@ -51,7 +51,7 @@ pub enum GraphError {
         patches: String,
     },
     /// A chunk label is required outside the fused stage that computes it.
-    #[error("{task} requires {}, which lives only in the chunk of {producer}: list {producer} again before {task}", label.name())]
+    #[error("{task} requires {} on {patches}, which lives only in the chunk of {producer}: list {producer} again before {task}", label.name())]
     ChunkLabelEscapes {
         /// The task that requires it.
         task: String,
@@ -59,6 +59,8 @@ pub enum GraphError {
         label: LabelId,
         /// Its producer.
         producer: String,
+        /// Where.
+        patches: String,
     },
     /// A declaration asks for more ghost layers than are stored.
     #[error("{task} declares {} with {asked} ghost layers, but patch {patch} stores {stored}", label.name())]

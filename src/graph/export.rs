@@ -23,7 +23,7 @@ impl TaskGraph {
                 for &node in &stage.nodes {
                     let declaration = &self.graph[node].declaration;
                     let near =
-                        if declaration.domain == Domain::NearParticles { " (near contact)" } else { "" };
+                        if declaration.domain == Domain::NearParticles { " (near others)" } else { "" };
                     let (reads, writes) = describe(declaration.access);
                     let _ = writeln!(out, "  {:<20}{reads} -> {writes}{near}", declaration.name);
                 }

@@ -3,7 +3,7 @@
 //! A stage's tasks run together, chunk by chunk of particles or block by block of nodes, so that what passes
 //! between them stays in cache. A node label that particles fill needs all blocks first: it ends a stage.
 use super::error::GraphError;
-use super::recipe::{Graph, Recipe, Why, over_particles};
+use super::recipe::{Graph, Recipe, Why, everywhere, over_particles};
 use super::task::{Access, Domain, Mode};
 use crate::data::label::Home;
 use crate::data::labels::LabelId;
@@ -44,7 +44,7 @@ pub struct Phase {
 ///
 /// # Errors
 /// [`GraphError::ChunkLabelEscapes`].
-pub fn fuse(graph: &Graph, recipe: &Recipe) -> Result<Vec<Phase>, GraphError> {
+pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> Result<Vec<Phase>, GraphError> {
     let mut stages: Vec<Stage> = Vec::new();
     for node in graph.node_indices() {
         let (entry, material) = (graph[node].entry, graph[node].material);
@@ -62,7 +62,7 @@ pub fn fuse(graph: &Graph, recipe: &Recipe) -> Result<Vec<Phase>, GraphError> {
         stage.entries.push(entry);
         stage.nodes.push(node);
         graph[node].declaration.access.iter().for_each(|&access| merge(&mut stage.touched, access));
-        check_chunk_labels(graph, node, stage)?;
+        check_chunk_labels(graph, node, stage, patches)?;
     }
     Ok(group(graph, stages))
 }
@@ -81,7 +81,12 @@ fn needs_all_blocks(graph: &Graph, node: NodeIndex, stage: &Stage) -> bool {
     })
 }
 
-fn check_chunk_labels(graph: &Graph, node: NodeIndex, stage: &Stage) -> Result<(), GraphError> {
+fn check_chunk_labels(
+    graph: &Graph,
+    node: NodeIndex,
+    stage: &Stage,
+    patches: usize,
+) -> Result<(), GraphError> {
     let escaped = graph.edges_directed(node, Direction::Incoming).find(|e| {
         e.weight().why == Why::Flow
             && e.weight().label.home() == Home::Chunk
@@ -89,7 +94,8 @@ fn check_chunk_labels(graph: &Graph, node: NodeIndex, stage: &Stage) -> Result<(
     });
     escaped.map_or(Ok(()), |e| {
         let (task, producer) = (graph[node].name.clone(), graph[e.source()].name.clone());
-        Err(GraphError::ChunkLabelEscapes { task, label: e.weight().label, producer })
+        let (label, patches) = (e.weight().label, everywhere(patches));
+        Err(GraphError::ChunkLabelEscapes { task, label, producer, patches })
     })
 }
 

@@ -66,3 +66,11 @@ pub type Graph = StableDiGraph<Node, Edge>;
 pub fn over_particles(domain: Domain) -> bool {
     matches!(domain, Domain::Particles | Domain::NearParticles)
 }
+
+/// All of `patches` patches, in messages.
+pub fn everywhere(patches: usize) -> String {
+    match patches {
+        1 => "patch 0".to_owned(),
+        n => format!("patches 0 to {}", n - 1),
+    }
+}

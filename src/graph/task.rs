@@ -170,7 +170,7 @@ impl<T: Body> Job for RunChunk<'_, '_, T> {
 /// ```
 #[macro_export]
 macro_rules! task {
-    ($(#[$doc:meta])* $domain:ident task $name:ident $([$law:ident: $bound:path])? {
+    ($(#[$doc:meta])* $domain:ident task $name:ident $([$kind:ident: $bound:path])? {
         $(requires old { $($o:ident: $O:ident $(@ $old_ghost:literal)?),* $(,)? })?
         $(requires new { $($r:ident: $R:ident $(@ $ghost:literal)?),* $(,)? })?
         $(requires now { $($n:ident: $N:ident),* $(,)? })?
@@ -195,7 +195,7 @@ macro_rules! task {
                 #[allow(missing_docs)]
                 pub $m: $crate::data::view::Write<'a, <$M as $crate::data::labels::Label>::Tile>,)*)?
         }
-        impl $(<$law: $bound>)? $crate::graph::task::Task for $name $(<$law>)? {
+        impl $(<$kind: $bound>)? $crate::graph::task::Task for $name $(<$kind>)? {
             const NAME: &'static str = stringify!($name);
             const DOMAIN: $crate::graph::task::Domain = $crate::graph::task::Domain::$domain;
             const ACCESS: &'static [$crate::graph::task::Access] = &[

@@ -6,6 +6,7 @@ use crate::simd::Simd;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Newton and Euler for rigid bodies: contact impulses and gravity change V and ω, then the body moves.
+/// Where nothing touches, there is no impulse.
 pub struct RigidMotion {
     /// For each material: the prescribed velocity in time, if it is a prescribed rigid body.
     pub prescribed: Vec<Option<Table>>,
@@ -14,7 +15,8 @@ pub struct RigidMotion {
 }
 
 crate::task! { Once task RigidMotion {
-    requires new { time: Time, impulse: RigidImpulse }
+    requires new { time: Time }
+    requires now { impulse: RigidImpulse }
     modifies { bodies: RigidMotionLabel }
 }}
 

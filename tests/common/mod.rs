@@ -1,0 +1,119 @@
+//! Small scenes, and simulations of them.
+#![allow(dead_code)] // each test takes what it needs
+use sinew::data::labels::LabelId;
+use sinew::input::scene::Scene;
+use sinew::input::{read, read_text};
+use sinew::simd::Isa;
+use sinew::simulation::{Report, RunError, Simulation};
+use std::path::Path;
+
+pub type Overrides<'a> = &'a [(&'a str, &'a str)];
+
+fn owned(overrides: Overrides<'_>) -> Vec<(String, String)> {
+    overrides.iter().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect()
+}
+
+/// The scene of a text, with overrides.
+#[track_caller]
+pub fn scene(text: &str, overrides: Overrides<'_>) -> Scene {
+    read_text("test", text, &owned(overrides), None)
+        .unwrap_or_else(|e| panic!("{:?}", miette::Report::new(e)))
+}
+
+/// A scene of `problems/`, with overrides.
+#[track_caller]
+pub fn problem(name: &str, overrides: Overrides<'_>) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems").join(name);
+    read(&folder, &owned(overrides)).unwrap_or_else(|e| panic!("{:?}", miette::Report::new(e)))
+}
+
+pub fn instruction_sets() -> [Isa; 2] {
+    [Isa::detect(), Isa::BASELINE]
+}
+
+/// Starts a scene on the best instruction set.
+#[track_caller]
+pub fn start(scene: Scene) -> Simulation {
+    Simulation::new(scene, Isa::detect()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Steps to the end of the run.
+pub fn finish(simulation: &mut Simulation) -> Result<Report, RunError> {
+    while simulation.step()? {}
+    Ok(simulation.report())
+}
+
+/// The report at the end of a scene.
+#[track_caller]
+pub fn run(scene: Scene) -> Report {
+    let mut simulation = start(scene);
+    finish(&mut simulation).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Momentum of all materials [N s].
+pub fn momentum(report: &Report) -> [f64; 3] {
+    report.materials.iter().fold([0.0; 3], |sum, m| add(sum, m.momentum))
+}
+
+/// Angular momentum of all materials about the origin [N m s].
+pub fn angular_momentum(report: &Report) -> [f64; 3] {
+    report.materials.iter().fold([0.0; 3], |sum, m| add(sum, m.angular_momentum))
+}
+
+/// All numbers of a label, particle by particle, in the order of the blocks.
+pub fn numbers(simulation: &Simulation, label: LabelId) -> Vec<Vec<f64>> {
+    let mut all = Vec::new();
+    for (material, block) in simulation.warehouse.blocks() {
+        let layout = &simulation.warehouse.materials[material].layout;
+        let width = layout.widths[label as usize];
+        all.extend((0..block.count).map(|p| (0..width).map(|c| block.get(layout, label, p, c)).collect()));
+    }
+    all
+}
+
+/// Gives every particle the velocity `field(x)`, as if the scene had said so.
+pub fn set_velocity(simulation: &mut Simulation, field: impl Fn([f64; 3]) -> [f64; 3]) {
+    let warehouse = &mut simulation.warehouse;
+    for (material, home) in warehouse.particles.iter_mut().flat_map(|patch| patch.iter_mut().enumerate()) {
+        let layout = &warehouse.materials[material].layout;
+        for block in &mut home.blocks {
+            for particle in 0..block.count {
+                let x = [0, 1, 2].map(|a| block.get(layout, LabelId::Position, particle, a));
+                for (a, v) in field(x).into_iter().enumerate() {
+                    block.set(layout, LabelId::Velocity, particle, a, v);
+                }
+            }
+        }
+    }
+}
+
+pub fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] + b[i])
+}
+
+pub fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+pub fn norm(a: [f64; 3]) -> f64 {
+    a.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Numbers in [0, 1) that are the same in every run (SplitMix64).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
+    }
+    /// In [-1, 1).
+    pub fn sign(&mut self) -> f64 {
+        2.0 * self.unit() - 1.0
+    }
+    pub fn vector(&mut self) -> [f64; 3] {
+        std::array::from_fn(|_| self.sign())
+    }
+}
