@@ -4,7 +4,7 @@ use crate::data::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, Rig
 use crate::data::nodes::NODES;
 use crate::data::shared::RigidState;
 use crate::graph::task::{At, Body};
-use crate::input::scene::ContactLaw;
+use crate::input::scene::{Contact as Touch, ContactLaw};
 use crate::physics::contact::surface::SurfaceTable;
 use crate::physics::contact::{Exchange, Pair, bonded, dot, friction};
 use crate::physics::lattice::Lattice;
@@ -14,7 +14,7 @@ use crate::simd::{Simd, Wide};
 /// for the integrated velocities.
 pub struct Contact {
     /// The pairs, in the order of the scene: impulses are exchanged pair by pair.
-    pub pairs: Vec<ContactPair>,
+    pub pairs: Vec<Touch>,
     /// Where nodes are.
     pub lattice: Lattice,
     /// Mass below which a node carries nothing [kg].
@@ -27,17 +27,6 @@ pub struct Contact {
     pub symmetric: [bool; 6],
     /// Cells of the level along each axis.
     pub cells: [usize; 3],
-}
-
-/// Two materials that touch.
-#[derive(Clone, Copy, Debug)]
-pub struct ContactPair {
-    /// Their indices.
-    pub between: [usize; 2],
-    /// The law.
-    pub law: ContactLaw,
-    /// Largest gap at which contact acts, in cells.
-    pub gap: f64,
 }
 
 crate::task! { Nodes task Contact {
@@ -141,7 +130,7 @@ impl Contact {
     /// What the pair exchanges at a node, and the masses that took part; `None`: the surfaces do not touch.
     fn exchange(
         &self,
-        pair: &ContactPair,
+        pair: &Touch,
         sides: &[Side<'_>; 2],
         node: [f64; 3],
         bodies: &[RigidState],

@@ -4,7 +4,7 @@
 //! scene does not ask for is not in the list.
 use super::advance::Advance;
 use super::boundary::Boundary;
-use super::contact::{Contact, ContactPair};
+use super::contact::Contact;
 use super::contact_begin::ContactBegin;
 use super::contact_flow::ContactFlow;
 use super::contact_power::ContactPower;
@@ -220,14 +220,12 @@ impl<'a> Builder<'a> {
         if self.scene.contacts.is_empty() {
             return;
         }
-        let pairs = self.scene.contacts.iter();
-        let pairs = pairs.map(|c| ContactPair { between: c.between, law: c.law, gap: c.gap }).collect();
         let surfaces = (0..self.scene.materials.len()).map(|m| {
             let mean = |numbers: [f64; 3]| numbers.iter().sum::<f64>() / 3.0;
             SurfaceTable::new(0.5 * mean(spacing(self.scene, m)), mean(half_size(self.scene, m)))
         });
         let task = Contact {
-            pairs,
+            pairs: self.scene.contacts.clone(),
             lattice: self.lattice,
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
@@ -271,8 +269,7 @@ impl<'a> Builder<'a> {
     }
 
     fn viscosity(&mut self, material: usize) {
-        if let Some(v) = self.scene.run.viscosity {
-            let law = crate::physics::viscosity::Viscosity { linear: v.linear, quadratic: v.quadratic };
+        if let Some(law) = self.scene.run.viscosity {
             self.add(material, "run.viscosity", Viscosity { law, cell: self.scene.domain.cell });
         }
     }

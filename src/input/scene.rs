@@ -3,6 +3,7 @@
 use super::geometry::Solid;
 pub use crate::physics::contact::friction::Criterion;
 use crate::physics::materials::AnyLaw;
+pub use crate::physics::viscosity::Viscosity;
 use std::collections::BTreeMap;
 
 /// What to simulate.
@@ -208,15 +209,6 @@ pub enum Leaving {
     Error,
     /// It is taken out and counted.
     Delete,
-}
-
-/// Artificial viscosity q = ρ l (c₁ c |tr D| + c₂ l (tr D)²) in compression.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Viscosity {
-    /// c₁
-    pub linear: f64,
-    /// c₂
-    pub quadratic: f64,
 }
 
 /// Numerics.
