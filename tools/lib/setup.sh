@@ -103,14 +103,14 @@ need_packages() {
     has_linker || { debian+=(gcc libc6-dev) others+=("a C compiler"); }
     has_hdf5 || { debian+=(pkg-config libhdf5-dev) others+=("HDF5 with its headers" "pkg-config"); }
     has_certificates || { debian+=(ca-certificates) others+=("TLS certificates"); }
-    if [ "${1:-}" = python ] && ! has_readers python3 && ! has_readers "$venv/bin/python3"; then
-        has_venv || { debian+=(python3 python3-venv) others+=("Python 3 with venv"); }
+    if [ "${1:-}" = python ] && ! has_readers && ! has_venv; then
+        debian+=(python3 python3-venv) others+=("Python 3 with venv")
     fi
     if [ "${#debian[@]}" != 0 ]; then
         if command -v apt-get >/dev/null; then
             install "${debian[@]}"
         else
-            say "Sinew needs: $(printf '%s, ' "${others[@]}" | sed 's/, $//'). Install them, for example"
+            say "Sinew needs: $(printf '%s, ' "${others[@]}" | sed 's/, $//'). Install them:"
             if command -v dnf >/dev/null; then
                 stop "  sudo dnf install gcc pkgconf-pkg-config hdf5-devel python3"
             elif command -v pacman >/dev/null; then
@@ -120,26 +120,34 @@ need_packages() {
             elif [ "$(uname -s)" = Darwin ]; then
                 stop "  xcode-select --install; brew install hdf5 pkgconf python"
             fi
-            stop "  with your system's package manager; or set HDF5_DIR to an HDF5 that is elsewhere"
+            stop "  by your system's package manager, or set HDF5_DIR to an HDF5 that is elsewhere"
         fi
     fi
     point_at_hdf5
 }
 
-# Python with h5py and VTK, which read particle files as ParaView does.
+# Python with h5py and VTK, which read particle files as ParaView does: the user's own, or an environment under target/.
 venv=$target/python
+wanted_readers=$root/tests/python/requirements.txt
 
-has_readers() { "$1" -c 'import h5py, vtk' >/dev/null 2>&1; }
-
-# Puts first in PATH a python3 that has the readers, in an environment of its own under target/. False if there is none.
-need_readers() {
-    has_readers python3 && return
-    if ! has_readers "$venv/bin/python3"; then
-        say "installing Python packages into $venv"
-        python3 -m venv --clear "$venv" >&2 &&
-            "$venv/bin/python3" -m pip install --quiet --no-input --disable-pip-version-check --retries 2 --timeout 30 \
-                --only-binary :all: --requirement "$root/tests/python/requirements.txt" </dev/null >&2 &&
-            "$venv/bin/python3" -c 'import h5py, vtk' >&2 || return 1
+has_readers() {
+    [ -z "${have_readers:-}" ] || return 0
+    if [ "$venv/ready" -nt "$wanted_readers" ] && "$venv/bin/python3" -c 'import h5py' 2>/dev/null; then
+        PATH=$venv/bin:$PATH
+    else
+        python3 -c 'import h5py, vtk' 2>/dev/null || return 1
     fi
-    export PATH=$venv/bin:$PATH
+    have_readers=yes
+}
+
+# Puts first in PATH a python3 that has the readers. False if there is none.
+need_readers() {
+    has_readers && return
+    say "installing Python packages into $venv"
+    python3 -m venv --clear "$venv" >&2 &&
+        "$venv/bin/python3" -m pip install --quiet --no-input --disable-pip-version-check --retries 2 --timeout 30 \
+            --only-binary :all: --requirement "$wanted_readers" </dev/null >&2 &&
+        "$venv/bin/python3" -c 'import h5py, vtk' >&2 &&
+        touch "$venv/ready" || return 1
+    PATH=$venv/bin:$PATH
 }
