@@ -23,6 +23,10 @@ pub struct Contact {
     pub rigid: Vec<bool>,
     /// Where surfaces lie, for each material.
     pub surfaces: Vec<SurfaceTable>,
+    /// Which of the faces x−, x+, y−, y+, z−, z+ are planes of symmetry.
+    pub mirrors: [bool; 6],
+    /// Cells of the level along each axis.
+    pub cells: [usize; 3],
 }
 
 /// Two materials that touch.
@@ -91,13 +95,14 @@ impl Contact {
                     continue;
                 }
                 let node = self.lattice.node(at.node, n);
+                let index = std::array::from_fn(|a| at.node[a] + (n >> (4 - 2 * a) & 3) as i32);
                 let sides = [0, 1].map(|i| Side {
                     material: pair.between[i],
                     sums: &io.sums[lines[i]],
                     surface: &io.surfaces[lines[i]],
                     velocity: [0, 1, 2].map(|axis| io.motion[lines[i]].0[axis]),
                 });
-                let Some((exchange, masses)) = self.exchange(pair, &sides, node, &io.bodies) else {
+                let Some((exchange, masses)) = self.exchange(pair, &sides, index, &io.bodies) else {
                     continue;
                 };
                 for (i, sign) in [(0, 1.0), (1, -1.0)] {
@@ -126,11 +131,15 @@ impl Contact {
         &self,
         pair: &ContactPair,
         sides: &[Side<'_>; 2],
-        node: [f64; 3],
+        index: [i32; 3],
         bodies: &[RigidState],
     ) -> Option<(Exchange, [f64; 2])> {
         let [a, b] = sides;
-        let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
+        let node = self.lattice.node(index, 0);
+        let difference: [f64; 3] = std::array::from_fn(|axis| match self.mirrored(index, axis) {
+            true => 0.0,
+            false => a.outward()[axis] - b.outward()[axis],
+        });
         let length = dot(difference, difference).sqrt();
         if length <= 0.0 {
             return None;
@@ -156,6 +165,13 @@ impl Contact {
             }
         };
         Some((exchange, masses))
+    }
+
+    /// Whether a node lies at or beyond a plane of symmetry across the axis: what the mirror image would add takes
+    /// all of a surface's outward direction along that axis away.
+    fn mirrored(&self, index: [i32; 3], axis: usize) -> bool {
+        self.mirrors[2 * axis] && index[axis] <= 0
+            || self.mirrors[2 * axis + 1] && index[axis] >= self.cells[axis] as i32
     }
 
     /// m_a m_b / (m_a + m_b). A rigid body counts with the share of its mass that its contact at this node has in

@@ -232,6 +232,8 @@ impl<'a> Builder<'a> {
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
             surfaces: surfaces.collect(),
+            mirrors: self.scene.faces.each_ref().map(|face| *face == FaceCondition::Symmetric),
+            cells: self.scene.domain.cells,
         };
         self.nodes("contact", task);
     }

@@ -1,5 +1,6 @@
 //! Small scenes, and simulations of them.
 #![allow(dead_code)] // each test takes what it needs
+#![allow(clippy::result_large_err)] // errors are rare here
 use sinew::data::labels::LabelId;
 use sinew::input::scene::Scene;
 use sinew::input::{read, read_text};
