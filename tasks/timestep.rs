@@ -230,7 +230,7 @@ impl<'a> Builder<'a> {
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
             surfaces: surfaces.collect(),
-            symmetric: [0, 1, 2, 3, 4, 5].map(|face| self.scene.faces[face] == FaceCondition::Symmetric),
+            symmetric: self.scene.faces.each_ref().map(|face| *face == FaceCondition::Symmetric),
             cells: self.scene.domain.cells,
         };
         self.nodes("contact", task);

@@ -1,5 +1,6 @@
 //! Work and impulse that something outside does on the matter.
 use crate::data::exact_sum::ExactSum;
+use crate::data::shared::RigidState;
 
 /// Sums of work and impulse over a few nodes or particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,6 +18,15 @@ impl Work {
         for a in 0..3 {
             self.work += m * dv[a] * mean[a];
             self.impulse[a] += m * dv[a];
+        }
+    }
+
+    /// Counts what a body whose motion is prescribed does on the matter: `sums` are the impulse and the torque impulse
+    /// that it receives.
+    pub fn hold(&mut self, body: &RigidState, sums: &[f64; 7]) {
+        for a in 0..3 {
+            self.work -= sums[a] * body.velocity[a] + sums[3 + a] * body.angular[a];
+            self.impulse[a] -= sums[a];
         }
     }
 

@@ -66,6 +66,7 @@ impl<E: Executor> Engine<E> {
         let context = Context { isa: self.isa, recipe: &graph.recipe, level, materials };
         let first = phase.stages.first();
         if let Some(stage) = first.filter(|s| s.domain == Domain::Once) {
+            begin(phase, shared, begun);
             return stage::once(&context, stage, shared);
         }
         self.lend(phase, shared);
@@ -101,17 +102,24 @@ impl<E: Executor> Engine<E> {
         }
     }
 
-    /// Adds up what the workers reduced. The first phase of a step that reduces a label starts it afresh.
+    /// Adds up what the workers reduced.
     fn collect(&self, phase: &Phase, shared: &mut Shared, begun: &mut BTreeSet<LabelId>) {
+        begin(phase, shared, begun);
         for (label, _) in shared_labels(phase).into_iter().filter(|&(_, reduces)| reduces) {
             let total = shared.column_mut(label);
-            if begun.insert(label) {
-                reduction::clear(label.reduce(), total);
-            }
             for scratch in &self.scratch {
                 let scratch = scratch.lock().unwrap_or_else(PoisonError::into_inner);
                 reduction::merge(label.reduce(), total, scratch.shared.column(label));
             }
+        }
+    }
+}
+
+/// The first phase of a step that reduces a label starts it afresh.
+fn begin(phase: &Phase, shared: &mut Shared, begun: &mut BTreeSet<LabelId>) {
+    for (label, _) in shared_labels(phase).into_iter().filter(|&(_, reduces)| reduces) {
+        if begun.insert(label) {
+            reduction::clear(label.reduce(), shared.column_mut(label));
         }
     }
 }

@@ -1,8 +1,9 @@
-use crate::data::labels::{RigidImpulse, RigidMotion as RigidMotionLabel, Time};
+use crate::data::labels::{BoundaryWork, RigidImpulse, RigidMotion as RigidMotionLabel, Time};
 use crate::data::shared::RigidState;
 use crate::graph::task::{At, Body};
 use crate::input::scene::Table;
 use crate::simd::Simd;
+use crate::tasks::work::Work;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Newton and Euler for rigid bodies: contact impulses and gravity change V and ω, then the body moves.
@@ -17,6 +18,7 @@ pub struct RigidMotion {
 crate::task! { Once task RigidMotion {
     requires new { time: Time }
     requires now { impulse: RigidImpulse }
+    computes { work: BoundaryWork }
     modifies { bodies: RigidMotionLabel }
 }}
 
@@ -24,19 +26,26 @@ impl Body for RigidMotion {
     #[inline(always)]
     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
         let (time, dt) = (io.time[0].time, io.time[0].step);
+        let mut work = Work::default();
         for (material, body) in io.bodies.iter_mut().enumerate().filter(|(_, b)| b.mass > 0.0) {
             let sums = io.impulse[material].each_ref().map(|sum| sum.value());
             // contact acts twice a step
             body.touched = 0.5 * sums[6];
             if let Some(table) = &self.prescribed[material] {
+                // whatever holds the body on its way receives what the matter exchanges with it
+                work.hold(body, &sums);
                 body.velocity = table.at(time + dt);
             } else {
+                let before = body.velocity;
                 push(body, Vector3::new(sums[0], sums[1], sums[2]), Vector3::new(sums[3], sums[4], sums[5]));
-                (0..3).for_each(|a| body.velocity[a] += dt * self.gravity[a]);
+                let dv = self.gravity.map(|g| dt * g);
+                (0..3).for_each(|a| body.velocity[a] += dv[a]);
+                work.add(body.mass, std::array::from_fn(|a| 0.5 * (before[a] + body.velocity[a])), dv);
             }
             turn(body, dt);
             (0..3).for_each(|a| body.center[a] += dt * body.velocity[a]);
         }
+        work.store(&mut io.work[0]);
     }
 }
 

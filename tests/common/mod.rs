@@ -1,5 +1,6 @@
 //! Small scenes, and simulations of them.
 #![allow(dead_code)] // each test takes what it needs
+#![allow(clippy::result_large_err)] // errors are rare here
 use sinew::data::labels::LabelId;
 use sinew::input::scene::Scene;
 use sinew::input::{read, read_text};
@@ -72,7 +73,7 @@ pub fn numbers(simulation: &Simulation, label: LabelId) -> Vec<Vec<f64>> {
 }
 
 /// Gives every particle the velocity `field(x)`, as if the scene had said so.
-pub fn set_velocity(simulation: &mut Simulation, field: impl Fn([f64; 3]) -> [f64; 3]) {
+pub fn set_velocity(simulation: &mut Simulation, mut field: impl FnMut([f64; 3]) -> [f64; 3]) {
     let warehouse = &mut simulation.warehouse;
     for (material, home) in warehouse.particles.iter_mut().flat_map(|patch| patch.iter_mut().enumerate()) {
         let layout = &warehouse.materials[material].layout;
