@@ -13,6 +13,7 @@ pub mod contact_scatter;
 pub mod drive;
 pub mod gather;
 pub mod integrate;
+pub mod load_power;
 pub mod loads;
 pub mod mass_flow;
 pub mod nodal_velocity;

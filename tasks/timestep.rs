@@ -12,7 +12,8 @@ use super::contact_scatter::ContactScatter;
 use super::drive::Drive;
 use super::gather::Gather;
 use super::integrate::Integrate;
-use super::loads::Loads;
+use super::load_power::LoadPower;
+use super::loads::{LoadField, Loads};
 use super::mass_flow::MassFlow;
 use super::nodal_velocity::NodalVelocity;
 use super::report::{ReportLaw, ReportMotion, ReportViscosity};
@@ -68,6 +69,7 @@ pub fn timestep(scene: &Scene) -> Recipe {
     recipe.contact();
     recipe.boundary();
     recipe.contact_power();
+    recipe.load_power();
     if recipe.rigid.contains(&true) {
         recipe.rigid_motion();
     }
@@ -236,10 +238,22 @@ impl<'a> Builder<'a> {
         self.nodes("contact", task);
     }
 
-    fn loads(&mut self) {
+    /// What acts everywhere, if the scene has it.
+    fn field(&self) -> Option<LoadField> {
         let (gravity, damping) = (self.scene.gravity, self.scene.damping);
-        if gravity != [0.0; 3] || damping != 0.0 {
-            let task = Loads { gravity, damping, least_mass: self.least_mass, rigid: self.rigid.clone() };
+        (gravity != [0.0; 3] || damping != 0.0).then_some(LoadField { gravity, damping })
+    }
+
+    fn loads(&mut self) {
+        if let Some(field) = self.field() {
+            let task = Loads { field, least_mass: self.least_mass, rigid: self.rigid.clone() };
+            self.nodes("load", task);
+        }
+    }
+
+    fn load_power(&mut self) {
+        if let Some(field) = self.field() {
+            let task = LoadPower { field, least_mass: self.least_mass, rigid: self.rigid.clone() };
             self.nodes("load", task);
         }
     }

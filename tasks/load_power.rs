@@ -1,0 +1,37 @@
+use super::contact_power::mean_velocity;
+use super::loads::LoadField;
+use super::work::Work;
+use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
+use crate::data::nodes::NODES;
+use crate::graph::task::{At, Body};
+use crate::simd::Simd;
+
+/// Work of gravity and damping, with the mean velocity of the whole step (see `ContactPower`).
+pub struct LoadPower {
+    /// What acts.
+    pub field: LoadField,
+    /// Mass below which a node carries nothing [kg].
+    pub least_mass: f64,
+    /// Which materials are rigid: they take their loads as a whole.
+    pub rigid: Vec<bool>,
+}
+
+crate::task! { Nodes task LoadPower {
+    requires new { time: Time, sums: NodeSums, motion: NodeMotion }
+    computes { work: BoundaryWork }
+}}
+
+impl Body for LoadPower {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let dt = io.time[0].step;
+        let mut work = Work::default();
+        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES));
+        for ((sums, motions), _) in fields.zip(at.present).filter(|(_, m)| !self.rigid[**m as usize]) {
+            for (sum, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.0[0] > self.least_mass) {
+                work.add(sum.0[0], mean_velocity(motion), self.field.change(motion, dt));
+            }
+        }
+        work.store(&mut io.work[0]);
+    }
+}
