@@ -1,11 +1,11 @@
 use super::contact_power::mean_velocity;
 use super::integrate::change;
+use super::work::Work;
 use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
 use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};
 use crate::grid::BLOCK;
 use crate::input::scene::FaceCondition;
-use crate::physics::work::Work;
 use crate::simd::Simd;
 
 /// Conditions on the faces of the domain, on all nodes at or beyond them.
@@ -28,7 +28,7 @@ impl Boundary {
     /// Whether a node lies at or beyond the face.
     fn holds(&self, face: usize, node: [i32; 3]) -> bool {
         let axis = face / 2;
-        if face % 2 == 0 { node[axis] <= 0 } else { node[axis] >= self.cells[axis] as i32 }
+        if face.is_multiple_of(2) { node[axis] <= 0 } else { node[axis] >= self.cells[axis] as i32 }
     }
 
     /// Change of velocity that the face asks for.

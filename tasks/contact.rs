@@ -4,7 +4,7 @@ use crate::data::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, Rig
 use crate::data::nodes::NODES;
 use crate::data::shared::RigidState;
 use crate::graph::task::{At, Body};
-use crate::input::scene::ContactLaw;
+use crate::input::scene::{Contact as Touch, ContactLaw};
 use crate::physics::contact::surface::SurfaceTable;
 use crate::physics::contact::{Exchange, Pair, bonded, dot, friction};
 use crate::physics::lattice::Lattice;
@@ -14,7 +14,7 @@ use crate::simd::{Simd, Wide};
 /// for the integrated velocities.
 pub struct Contact {
     /// The pairs, in the order of the scene: impulses are exchanged pair by pair.
-    pub pairs: Vec<ContactPair>,
+    pub pairs: Vec<Touch>,
     /// Where nodes are.
     pub lattice: Lattice,
     /// Mass below which a node carries nothing [kg].
@@ -23,21 +23,10 @@ pub struct Contact {
     pub rigid: Vec<bool>,
     /// Where surfaces lie, for each material.
     pub surfaces: Vec<SurfaceTable>,
-    /// Which of the faces x−, x+, y−, y+, z−, z+ are planes of symmetry.
-    pub mirrors: [bool; 6],
+    /// The faces x−, x+, y−, y+, z−, z+ that are symmetry planes: a body that ends there has no surface there.
+    pub symmetric: [bool; 6],
     /// Cells of the level along each axis.
     pub cells: [usize; 3],
-}
-
-/// Two materials that touch.
-#[derive(Clone, Copy, Debug)]
-pub struct ContactPair {
-    /// Their indices.
-    pub between: [usize; 2],
-    /// The law.
-    pub law: ContactLaw,
-    /// Largest gap at which contact acts, in cells.
-    pub gap: f64,
 }
 
 crate::task! { Nodes task Contact {
@@ -62,6 +51,8 @@ struct Side<'a> {
     sums: &'a Wide,
     surface: &'a Wide,
     velocity: [f64; 3],
+    /// Axes across which the material goes on beyond the domain.
+    mirrored: [bool; 3],
 }
 
 impl Side<'_> {
@@ -70,7 +61,7 @@ impl Side<'_> {
     }
     /// Σ V ∇S: points out of the material.
     fn outward(&self) -> [f64; 3] {
-        [self.surface.0[4], self.surface.0[5], self.surface.0[6]]
+        std::array::from_fn(|a| if self.mirrored[a] { 0.0 } else { self.surface.0[4 + a] })
     }
     fn force(&self) -> [f64; 3] {
         [self.sums.0[4], self.sums.0[5], self.sums.0[6]]
@@ -95,14 +86,15 @@ impl Contact {
                     continue;
                 }
                 let node = self.lattice.node(at.node, n);
-                let index = std::array::from_fn(|a| at.node[a] + (n >> (4 - 2 * a) & 3) as i32);
+                let mirrored = self.mirrored(at.node, n as i32);
                 let sides = [0, 1].map(|i| Side {
                     material: pair.between[i],
                     sums: &io.sums[lines[i]],
                     surface: &io.surfaces[lines[i]],
                     velocity: [0, 1, 2].map(|axis| io.motion[lines[i]].0[axis]),
+                    mirrored,
                 });
-                let Some((exchange, masses)) = self.exchange(pair, &sides, index, &io.bodies) else {
+                let Some((exchange, masses)) = self.exchange(pair, &sides, node, &io.bodies) else {
                     continue;
                 };
                 for (i, sign) in [(0, 1.0), (1, -1.0)] {
@@ -126,25 +118,25 @@ impl Contact {
         }
     }
 
+    /// Axes on which the node lies on, or beyond, a symmetry plane.
+    fn mirrored(&self, first: [i32; 3], n: i32) -> [bool; 3] {
+        std::array::from_fn(|a| {
+            let node = first[a] + (n >> (4 - 2 * a) & 3);
+            (self.symmetric[2 * a] && node <= 0)
+                || (self.symmetric[2 * a + 1] && node >= self.cells[a] as i32)
+        })
+    }
+
     /// What the pair exchanges at a node, and the masses that took part; `None`: the surfaces do not touch.
     fn exchange(
         &self,
-        pair: &ContactPair,
+        pair: &Touch,
         sides: &[Side<'_>; 2],
-        index: [i32; 3],
+        node: [f64; 3],
         bodies: &[RigidState],
     ) -> Option<(Exchange, [f64; 2])> {
         let [a, b] = sides;
-        let node = self.lattice.node(index, 0);
-        let difference: [f64; 3] = std::array::from_fn(|axis| match self.mirrored(index, axis) {
-            true => 0.0,
-            false => a.outward()[axis] - b.outward()[axis],
-        });
-        let length = dot(difference, difference).sqrt();
-        if length <= 0.0 {
-            return None;
-        }
-        let normal = difference.map(|d| d / length);
+        let (normal, area) = self.normal(sides)?;
         let before = |side: &Side<'_>, n| {
             self.surfaces[side.material].surface(side.center(node, n) / self.lattice.cell)
         };
@@ -156,7 +148,7 @@ impl Contact {
         let relative = std::array::from_fn(|i| a.velocity[i] - b.velocity[i]);
         let reduced_mass = self.reduced_mass(sides, masses, bodies)?;
         // the internal force of a uniformly stressed surface is −σ Σ V ∇S
-        let traction = (dot(b.force(), normal) - dot(a.force(), normal)) / length;
+        let traction = (dot(b.force(), normal) - dot(a.force(), normal)) / area;
         let seen = Pair { relative, reduced_mass, normal, traction };
         let exchange = match pair.law {
             ContactLaw::Bonded => bonded::exchange(&seen),
@@ -167,11 +159,18 @@ impl Contact {
         Some((exchange, masses))
     }
 
-    /// Whether a node lies at or beyond a plane of symmetry across the axis: what the mirror image would add takes
-    /// all of a surface's outward direction along that axis away.
-    fn mirrored(&self, index: [i32; 3], axis: usize) -> bool {
-        self.mirrors[2 * axis] && index[axis] <= 0
-            || self.mirrors[2 * axis + 1] && index[axis] >= self.cells[axis] as i32
+    /// Unit normal from a to b, and Σ V |∇S| of both sides. A rigid body's surface is known best: where one side is
+    /// rigid, its normal counts, so that the edges of the other side do not plow.
+    fn normal(&self, [a, b]: &[Side<'_>; 2]) -> Option<([f64; 3], f64)> {
+        let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
+        let direction = match [a, b].map(|side| self.rigid[side.material]) {
+            [true, false] => a.outward(),
+            [false, true] => b.outward().map(|g| -g),
+            _ => difference,
+        };
+        let length = dot(direction, direction).sqrt();
+        let area = dot(difference, difference).sqrt();
+        (length > 0.0 && area > 0.0).then(|| (direction.map(|d| d / length), area))
     }
 
     /// m_a m_b / (m_a + m_b). A rigid body counts with the share of its mass that its contact at this node has in

@@ -1,7 +1,7 @@
+use super::work::Work;
 use crate::data::labels::{BoundaryWork, DriveIndex, GridVelocity, Mass, Time, Velocity, VelocityChange};
 use crate::graph::task::{At, Body};
 use crate::input::scene::Table;
-use crate::physics::work::Work;
 use crate::simd::{LANES, Simd};
 
 /// Particles of a driven region move as the scene prescribes, whatever the nodes say.

@@ -1,8 +1,8 @@
 use super::integrate::change;
+use super::work::Work;
 use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
 use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};
-use crate::physics::work::Work;
 use crate::simd::Simd;
 
 /// v_I ← v_I + Δt (g − α v_I): gravity, and damping in proportion to mass.

@@ -27,3 +27,4 @@ pub mod timestep;
 pub mod timestep_size;
 pub mod viscosity;
 pub mod weights;
+mod work;

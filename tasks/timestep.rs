@@ -4,7 +4,7 @@
 //! scene does not ask for is not in the list.
 use super::advance::Advance;
 use super::boundary::Boundary;
-use super::contact::{Contact, ContactPair};
+use super::contact::Contact;
 use super::contact_begin::ContactBegin;
 use super::contact_flow::ContactFlow;
 use super::contact_power::ContactPower;
@@ -28,7 +28,7 @@ use super::stress_flow::StressFlow;
 use super::timestep_size::TimestepSize;
 use super::viscosity::Viscosity;
 use super::weights::Weights;
-use crate::graph::build::{Entry, Recipe};
+use crate::graph::recipe::{Entry, Recipe};
 use crate::graph::task::Runnable;
 use crate::input::scene::{Behavior, FaceCondition, RigidMotion as Motion, Scene, ShapeFunction};
 use crate::physics::contact::surface::SurfaceTable;
@@ -220,19 +220,17 @@ impl<'a> Builder<'a> {
         if self.scene.contacts.is_empty() {
             return;
         }
-        let pairs = self.scene.contacts.iter();
-        let pairs = pairs.map(|c| ContactPair { between: c.between, law: c.law, gap: c.gap }).collect();
         let surfaces = (0..self.scene.materials.len()).map(|m| {
             let mean = |numbers: [f64; 3]| numbers.iter().sum::<f64>() / 3.0;
             SurfaceTable::new(0.5 * mean(spacing(self.scene, m)), mean(half_size(self.scene, m)))
         });
         let task = Contact {
-            pairs,
+            pairs: self.scene.contacts.clone(),
             lattice: self.lattice,
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
             surfaces: surfaces.collect(),
-            mirrors: self.scene.faces.each_ref().map(|face| *face == FaceCondition::Symmetric),
+            symmetric: [0, 1, 2, 3, 4, 5].map(|face| self.scene.faces[face] == FaceCondition::Symmetric),
             cells: self.scene.domain.cells,
         };
         self.nodes("contact", task);
@@ -271,8 +269,7 @@ impl<'a> Builder<'a> {
     }
 
     fn viscosity(&mut self, material: usize) {
-        if let Some(v) = self.scene.run.viscosity {
-            let law = crate::physics::viscosity::Viscosity { linear: v.linear, quadratic: v.quadratic };
+        if let Some(law) = self.scene.run.viscosity {
             self.add(material, "run.viscosity", Viscosity { law, cell: self.scene.domain.cell });
         }
     }

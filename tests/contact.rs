@@ -8,13 +8,13 @@ use sinew::data::labels::LabelId;
 use sinew::data::nodes::NODES;
 use sinew::data::workspace::Workspace;
 use sinew::graph::task::{At, Runnable};
-use sinew::input::scene::{ContactLaw, Criterion};
+use sinew::input::scene::{Contact as Touch, ContactLaw, Criterion};
 use sinew::physics::contact::surface::SurfaceTable;
 use sinew::physics::contact::{Pair, bonded, dot, friction};
 use sinew::physics::lattice::Lattice;
 use sinew::physics::shape::Origin;
 use sinew::simd::{Isa, Wide};
-use sinew::tasks::contact::{Contact, ContactPair};
+use sinew::tasks::contact::Contact;
 use std::array::from_fn;
 
 const CRITERIA: [Criterion; 3] =
@@ -134,12 +134,12 @@ fn every_node_keeps_its_momentum_whoever_meets_there() {
         for materials in [2, 3] {
             let pairs: &[[usize; 2]] = if materials == 2 { &[[0, 1]] } else { &[[0, 1], [0, 2], [1, 2]] };
             let task = Contact {
-                pairs: pairs.iter().map(|&between| ContactPair { between, law, gap: 0.0 }).collect(),
+                pairs: pairs.iter().map(|&between| Touch { between, law, gap: 0.0 }).collect(),
                 lattice,
                 least_mass: 1e-14,
                 rigid: vec![false; materials],
                 surfaces: vec![SurfaceTable::new(0.25, 0.25); materials],
-                mirrors: [false; 6],
+                symmetric: [false; 6],
                 cells: [4; 3],
             };
             let (mut worst, mut changed) = (0.0f64, 0);

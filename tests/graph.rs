@@ -3,8 +3,9 @@ mod common;
 
 use petgraph::stable_graph::NodeIndex;
 use sinew::data::labels::*;
-use sinew::graph::build::{Entry, Recipe, TaskGraph, Why};
+use sinew::graph::build::TaskGraph;
 use sinew::graph::error::GraphError;
+use sinew::graph::recipe::{Entry, Recipe, Why};
 use sinew::graph::task::{At, Body, Domain, Runnable};
 use sinew::input::scene::Scene;
 use sinew::simd::Simd;

@@ -1,7 +1,4 @@
 //! What a label is: a named quantity with a home, a tile type and a unit.
-use super::labels::LabelId;
-use bytemuck::Pod;
-
 /// Where a label lives, and for how long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Home {
@@ -31,14 +28,6 @@ pub enum Reduce {
     Sum,
     /// Each line: the one with the smallest (lane 0, lane 1).
     First,
-}
-
-/// A quantity, known to the compiler as a zero-sized type.
-pub trait Label {
-    /// Its row in the table.
-    const ID: LabelId;
-    /// Eight particles of the quantity, one node, or one material.
-    type Tile: Pod;
 }
 
 /// Makes the table: an enum of identities with their properties, and a zero-sized type a label.

@@ -1,9 +1,18 @@
 //! The table of labels: every quantity that passes between tasks, with home, unit and symbol.
 use super::exact_sum::ExactSum;
-use super::label::{Home, Label, Reduce, labels};
+use super::label::{Home, Reduce, labels};
 use super::shared::{Clock, RigidState};
 use crate::physics::shape::{NodeRows, Stencil};
 use crate::simd::Wide;
+use bytemuck::Pod;
+
+/// A quantity, known to the compiler as a zero-sized type.
+pub trait Label {
+    /// Its row in the table.
+    const ID: LabelId;
+    /// Eight particles of the quantity, one node, or one material.
+    type Tile: Pod;
+}
 
 labels! {
     Position:         Particle, [Wide; 3], "m",       "x_p";

@@ -29,7 +29,7 @@ pub fn merge(reduce: Reduce, into: &mut [Wide], from: &[Wide]) {
             for (a, b) in into.iter_mut().zip(from) {
                 // NaN wins: it must not be lost
                 for (a, &b) in a.0.iter_mut().zip(&b.0) {
-                    if !(b <= *a) {
+                    if b > *a || b.is_nan() {
                         *a = b;
                     }
                 }

@@ -89,11 +89,6 @@ impl Warehouse {
         })
     }
 
-    /// Where an inert lane of a block rests [m]: the middle of the block.
-    pub fn rest(&self, index: BlockIndex) -> [f64; 3] {
-        std::array::from_fn(|a| self.level.lower[a] + self.level.cell * (4.0 * f64::from(index[a]) + 2.0))
-    }
-
     /// Adds a particle to the block that owns position `x`. New blocks wait for [`Warehouse::activate`].
     ///
     /// # Errors
@@ -102,7 +97,7 @@ impl Warehouse {
         let node = self.level.base_node(x, self.materials[material].half_size);
         let index = Level::block_of(node);
         let patch = self.decomposition.owner(index).filter(|_| self.level.contains(x)).ok_or(OutsideLevel)?;
-        let rest = self.rest(index);
+        let rest = self.level.middle(index);
         let blocks = self.decomposition.patches[patch].blocks;
         let home = &mut self.particles[patch][material];
         let slot = &mut home.lookup[blocks.offset(index).ok_or(OutsideLevel)?];

@@ -1,5 +1,6 @@
 //! Where one chunk of every label lies. Tasks never see it: `bind` takes each task's `Io` from it.
-use super::label::{Home, Label};
+use super::label::Home;
+use super::labels::Label;
 use super::labels::{LABELS, LabelId};
 use super::view::{Read, Write};
 use crate::simd::Wide;

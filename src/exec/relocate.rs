@@ -114,6 +114,5 @@ fn depart(
             travelers.push(Traveler { material, from: (block.index, particle), x, record });
         }
     }
-    let rest = std::array::from_fn(|a| level.lower[a] + level.cell * (4.0 * f64::from(block.index[a]) + 2.0));
-    block.remove(layout, rest, &leaving);
+    block.remove(layout, level.middle(block.index), &leaving);
 }

@@ -8,8 +8,8 @@ use crate::data::particles::ParticleBlock;
 use crate::data::reduction;
 use crate::data::warehouse::{MaterialData, NodePatch, ParticlePatch, Shared};
 use crate::data::workspace::Workspace;
-use crate::graph::build::Recipe;
 use crate::graph::fuse::Stage;
+use crate::graph::recipe::{Entry, Recipe};
 use crate::graph::task::{At, Domain, Mode, Runnable};
 use crate::grid::{BLOCK, Level};
 use crate::physics::shape::{BELOW, BUFFER, Origin};
@@ -39,6 +39,13 @@ impl Context<'_> {
             lower: self.level.lower.map(|x| x / self.level.cell),
         };
         At { origin, count: 0, node, present: &[] }
+    }
+
+    /// A span a task: at level TRACE, because a task runs for microseconds.
+    fn span(&self, entry: usize) -> tracing::span::Span {
+        let Entry { task, material, .. } = &self.recipe.entries[entry];
+        let material = material.map_or("", |m| &self.recipe.materials[m]);
+        tracing::trace_span!("task", name = task.declaration().name, material)
     }
 
     fn task(&self, entry: usize) -> &dyn Runnable {
@@ -91,12 +98,14 @@ pub fn sweep(
     let history = layout.widths[LabelId::History as usize];
     let mut space = Workspace { columns, chunk: 0..0, ahead: AHEAD, history };
     let mut at = context.at(index);
+    let traced = tracing::enabled!(tracing::Level::TRACE);
     for first in (0..tiles).step_by(CHUNK) {
         space.chunk = first..(first + CHUNK).min(tiles);
         at.count = (count - first * LANES).min(CHUNK * LANES);
         for &entry in &stage.entries {
             let task = context.task(entry);
             if near || task.declaration().domain != Domain::NearParticles {
+                let _span = traced.then(|| context.span(entry).entered());
                 task.run_on(context.isa, &at, &mut space);
             }
         }
@@ -132,7 +141,9 @@ pub fn update_nodes(
     let mut space = Workspace { columns, ..Workspace::empty() };
     let mut at = context.at(block.index);
     at.present = &block.present;
+    let traced = tracing::enabled!(tracing::Level::TRACE);
     for &entry in &stage.entries {
+        let _span = traced.then(|| context.span(entry).entered());
         context.task(entry).run_on(context.isa, &at, &mut space);
     }
 }
@@ -142,6 +153,7 @@ pub fn once(context: &Context<'_>, stage: &Stage, shared: &mut Shared) {
     let mut space = Workspace { columns: shared.split(), ..Workspace::empty() };
     let at = context.at([0; 3]);
     for &entry in &stage.entries {
+        let _span = context.span(entry).entered();
         context.task(entry).run_on(context.isa, &at, &mut space);
     }
 }

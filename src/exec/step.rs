@@ -4,8 +4,9 @@ use super::scratch::Scratch;
 use super::stage::{self, Context};
 use crate::data::label::{Home, Reduce};
 use crate::data::labels::LabelId;
+use crate::data::particles::ParticleBlock;
 use crate::data::reduction;
-use crate::data::warehouse::{Shared, Warehouse};
+use crate::data::warehouse::{ParticlePatch, Shared, Warehouse};
 use crate::graph::build::TaskGraph;
 use crate::graph::fuse::{Phase, Stage};
 use crate::graph::task::{Domain, Mode};
@@ -126,8 +127,8 @@ fn begin(phase: &Phase, shared: &mut Shared, begun: &mut BTreeSet<LabelId>) {
 /// The blocks of the phase's materials, with their stages.
 fn sweep_items<'a>(
     phase: &'a Phase,
-    particles: &'a mut [Vec<crate::data::warehouse::ParticlePatch>],
-) -> Vec<(&'a Stage, &'a mut crate::data::particles::ParticleBlock)> {
+    particles: &'a mut [Vec<ParticlePatch>],
+) -> Vec<(&'a Stage, &'a mut ParticleBlock)> {
     let stage_of = |material: usize| phase.stages.iter().find(|s| s.material == Some(material));
     particles
         .iter_mut()

@@ -1,5 +1,6 @@
 //! The graph for people and for programs: text, dot, JSON.
-use super::build::{TaskGraph, Why};
+use super::build::TaskGraph;
+use super::recipe::Why;
 use super::task::{Access, Domain, Mode};
 use petgraph::visit::{EdgeRef, IntoEdgeReferences};
 use serde_json::{Value, json};

@@ -2,8 +2,8 @@
 //!
 //! A stage's tasks run together, chunk by chunk of particles or block by block of nodes, so that what passes
 //! between them stays in cache. A node label that particles fill needs all blocks first: it ends a stage.
-use super::build::{Graph, Recipe, Why, everywhere, over_particles};
 use super::error::GraphError;
+use super::recipe::{Graph, Recipe, Why, everywhere, over_particles};
 use super::task::{Access, Domain, Mode};
 use crate::data::label::Home;
 use crate::data::labels::LabelId;

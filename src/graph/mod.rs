@@ -4,4 +4,5 @@ pub mod error;
 pub mod export;
 pub mod fuse;
 pub mod prune;
+pub mod recipe;
 pub mod task;

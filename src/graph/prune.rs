@@ -1,5 +1,5 @@
 //! Removes tasks whose results reach neither the next step nor an output.
-use super::build::{Edge, Graph, Why};
+use super::recipe::{Edge, Graph, Why};
 use super::task::Mode;
 use crate::data::label::Home;
 use crate::data::labels::LabelId;

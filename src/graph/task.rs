@@ -181,19 +181,19 @@ macro_rules! task {
         pub struct Io<'a> {
             $($(
                 #[allow(missing_docs)]
-                pub $o: $crate::data::view::Read<'a, <$O as $crate::data::label::Label>::Tile>,)*)?
+                pub $o: $crate::data::view::Read<'a, <$O as $crate::data::labels::Label>::Tile>,)*)?
             $($(
                 #[allow(missing_docs)]
-                pub $r: $crate::data::view::Read<'a, <$R as $crate::data::label::Label>::Tile>,)*)?
+                pub $r: $crate::data::view::Read<'a, <$R as $crate::data::labels::Label>::Tile>,)*)?
             $($(
                 #[allow(missing_docs)]
-                pub $n: $crate::data::view::Read<'a, <$N as $crate::data::label::Label>::Tile>,)*)?
+                pub $n: $crate::data::view::Read<'a, <$N as $crate::data::labels::Label>::Tile>,)*)?
             $($(
                 #[allow(missing_docs)]
-                pub $c: $crate::data::view::Write<'a, <$C as $crate::data::label::Label>::Tile>,)*)?
+                pub $c: $crate::data::view::Write<'a, <$C as $crate::data::labels::Label>::Tile>,)*)?
             $($(
                 #[allow(missing_docs)]
-                pub $m: $crate::data::view::Write<'a, <$M as $crate::data::label::Label>::Tile>,)*)?
+                pub $m: $crate::data::view::Write<'a, <$M as $crate::data::labels::Label>::Tile>,)*)?
         }
         impl $(<$kind: $bound>)? $crate::graph::task::Task for $name $(<$kind>)? {
             const NAME: &'static str = stringify!($name);
@@ -208,7 +208,7 @@ macro_rules! task {
             type Io<'a> = Io<'a>;
             #[inline(always)]
             fn bind<'a>(space: &'a mut $crate::data::workspace::Workspace<'_>) -> Io<'a> {
-                use $crate::data::label::Label;
+                use $crate::data::labels::Label;
                 let window = $crate::data::workspace::Window::of(space);
                 let [$($($o,)*)? $($($r,)*)? $($($n,)*)? $($($c,)*)? $($($m,)*)?] = space.columns
                     .get_disjoint_mut([
@@ -229,7 +229,7 @@ macro_rules! task {
     (@ $label:ident $mode:ident) => { $crate::task!(@ $label $mode 0) };
     (@ $label:ident $mode:ident $ghost:literal) => {
         $crate::graph::task::Access {
-            label: <$label as $crate::data::label::Label>::ID,
+            label: <$label as $crate::data::labels::Label>::ID,
             mode: $crate::graph::task::Mode::$mode,
             ghost: $ghost,
         }

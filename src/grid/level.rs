@@ -43,6 +43,12 @@ impl Level {
         node.map(|n| n.div_euclid(BLOCK))
     }
 
+    /// The middle of a block [m].
+    pub fn middle(&self, block: BlockIndex) -> [f64; 3] {
+        let half = 0.5 * f64::from(BLOCK);
+        std::array::from_fn(|a| self.lower[a] + self.cell * (f64::from(BLOCK * block[a]) + half))
+    }
+
     /// Whether the point lies in the level.
     pub fn contains(&self, x: [f64; 3]) -> bool {
         let upper = self.upper();

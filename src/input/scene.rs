@@ -1,7 +1,9 @@
 //! A validated scene: everything in SI units, names resolved to indices, geometry ready to sample.
 //! `super::read` makes it from TOML; nothing else in Sinew reads scene files.
 use super::geometry::Solid;
+pub use crate::physics::contact::friction::Criterion;
 use crate::physics::materials::AnyLaw;
+pub use crate::physics::viscosity::Viscosity;
 use std::collections::BTreeMap;
 
 /// What to simulate.
@@ -167,17 +169,6 @@ pub enum ContactLaw {
     },
 }
 
-/// When frictional contact acts, besides the gap test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Criterion {
-    /// While the surfaces approach.
-    Approach,
-    /// While the surfaces approach or the normal traction between them is compressive.
-    ApproachOrCompression,
-    /// While the surfaces approach and the normal traction is compressive.
-    ApproachAndCompression,
-}
-
 /// Condition on a face of the domain.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FaceCondition {
@@ -218,15 +209,6 @@ pub enum Leaving {
     Error,
     /// It is taken out and counted.
     Delete,
-}
-
-/// Artificial viscosity q = ρ l (c₁ c |tr D| + c₂ l (tr D)²) in compression.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Viscosity {
-    /// c₁
-    pub linear: f64,
-    /// c₂
-    pub quadratic: f64,
 }
 
 /// Numerics.

@@ -8,4 +8,3 @@ pub mod parameter;
 pub mod shape;
 pub mod tensor;
 pub mod viscosity;
-pub mod work;

@@ -3,14 +3,21 @@ use super::{LANES, Mask, Simd, Wide};
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Eight `f64` as an array.
+/// Eight `f64` as an array; the compiler makes vectors of the caller's instruction set of it. `FUSED`: multiply and
+/// add with one rounding, which is fast only where the instruction set has it.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub struct Array([f64; LANES]);
+pub struct Array<const FUSED: bool>([f64; LANES]);
 
 #[inline(always)]
-fn lanes(f: impl FnMut(usize) -> f64) -> Array {
+fn lanes<const FUSED: bool>(f: impl FnMut(usize) -> f64) -> Array<FUSED> {
     Array(from_fn(f))
+}
+
+/// a · b + c. Without `FUSED` two roundings: `mul_add` would be a library call.
+#[inline(always)]
+fn multiply_add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
+    if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
 #[inline(always)]
@@ -18,7 +25,7 @@ fn mask(f: impl Fn(usize) -> bool) -> Mask {
     (0..LANES).fold(0, |bits, i| bits | u8::from(f(i)) << i)
 }
 
-impl Simd for Array {
+impl<const FUSED: bool> Simd for Array<FUSED> {
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Array([x; LANES])
@@ -31,18 +38,17 @@ impl Simd for Array {
     fn store(self, to: &mut Wide) {
         to.0 = self.0;
     }
-    // Two roundings: `mul_add` would be a library call on a baseline target.
     #[inline(always)]
     fn fma(self, b: Self, c: Self) -> Self {
-        self * b + c
+        lanes(|i| multiply_add::<FUSED>(self.0[i], b.0[i], c.0[i]))
     }
     #[inline(always)]
     fn fms(self, b: Self, c: Self) -> Self {
-        self * b - c
+        lanes(|i| multiply_add::<FUSED>(self.0[i], b.0[i], -c.0[i]))
     }
     #[inline(always)]
     fn fnma(self, b: Self, c: Self) -> Self {
-        c - self * b
+        lanes(|i| multiply_add::<FUSED>(-self.0[i], b.0[i], c.0[i]))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -133,7 +139,7 @@ impl Simd for Array {
 
 macro_rules! operators {
     ($($Trait:ident $method:ident),*) => {$(
-        impl $Trait for Array {
+        impl<const FUSED: bool> $Trait for Array<FUSED> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, b: Self) -> Self {
@@ -144,7 +150,7 @@ macro_rules! operators {
 }
 operators!(Add add, Sub sub, Mul mul, Div div);
 
-impl Neg for Array {
+impl<const FUSED: bool> Neg for Array<FUSED> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {

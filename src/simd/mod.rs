@@ -103,14 +103,15 @@ pub trait Simd:
     }
 }
 
-/// Instruction set, chosen once at run time. Only [`Isa::detect`] can say AVX-512, and outside this
-/// module nobody can name its vector: that is what makes `dispatch` sound.
+/// Instruction set, chosen once at run time. Only [`Isa::available`] makes those that need detection, and outside this
+/// module nobody can name the AVX-512 vector: that is what makes `dispatch` sound.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Isa(Level);
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Level {
     Avx512,
+    Avx2,
     Baseline,
 }
 
@@ -118,36 +119,47 @@ impl Isa {
     /// Plain arrays: runs on every machine.
     pub const BASELINE: Isa = Isa(Level::Baseline);
 
-    /// The best set of this machine.
-    pub fn detect() -> Self {
+    /// The sets of this machine, the best first.
+    pub fn available() -> Vec<Self> {
         macro_rules! all {
             ($($feature:tt)*) => { $(is_x86_feature_detected!($feature))&&* };
         }
-        #[cfg(target_arch = "x86_64")]
+        let mut sets = Vec::new();
         if all!("avx512f" "avx512bw" "avx512dq" "avx512vl" "fma" "bmi1" "bmi2" "lzcnt") {
-            return Isa(Level::Avx512);
+            sets.push(Isa(Level::Avx512));
         }
-        Isa::BASELINE
+        if all!("avx2" "fma" "bmi1" "bmi2" "lzcnt") {
+            sets.push(Isa(Level::Avx2));
+        }
+        sets.push(Isa::BASELINE);
+        sets
     }
 
-    /// The set named by the environment variable `SINEW_ISA` (`avx512`, `baseline`), else the best.
+    /// The best set of this machine.
+    pub fn detect() -> Self {
+        Self::available()[0]
+    }
+
+    /// The set named by the environment variable `SINEW_ISA` (`avx512`, `avx2`, `baseline`), else the best.
     ///
     /// # Errors
     /// An unknown name, or a set that this machine lacks: the message names the choices.
     pub fn from_environment() -> Result<Self, String> {
-        let best = Self::detect();
-        match std::env::var("SINEW_ISA").as_deref() {
-            Err(_) | Ok("") => Ok(best),
-            Ok("baseline") => Ok(Isa::BASELINE),
-            Ok(name) if name == best.name() => Ok(best),
-            Ok(name) => Err(format!("SINEW_ISA={name}: this machine offers {} and baseline", best.name())),
-        }
+        let available = Self::available();
+        let Some(name) = std::env::var("SINEW_ISA").ok().filter(|name| !name.is_empty()) else {
+            return Ok(available[0]);
+        };
+        available.iter().copied().find(|isa| isa.name() == name).ok_or_else(|| {
+            let names: Vec<&str> = available.iter().map(|isa| isa.name()).collect();
+            format!("SINEW_ISA={name}: this machine offers {}", names.join(", "))
+        })
     }
 
-    /// `avx512` or `baseline`.
+    /// `avx512`, `avx2` or `baseline`.
     pub fn name(self) -> &'static str {
         match self.0 {
             Level::Avx512 => "avx512",
+            Level::Avx2 => "avx2",
             Level::Baseline => "baseline",
         }
     }
@@ -157,9 +169,11 @@ impl Isa {
     #[allow(unsafe_code)]
     pub fn dispatch<J: Job>(self, job: J) -> J::Output {
         match self.0 {
-            // SAFETY: only `detect` makes this value, and only where all these features exist.
+            // SAFETY: only `available` makes this value, and only where all these features exist.
             Level::Avx512 => unsafe { with_avx512(job) },
-            Level::Baseline => job.run::<Array>(),
+            // SAFETY: as above.
+            Level::Avx2 => unsafe { with_avx2(job) },
+            Level::Baseline => job.run::<Array<false>>(),
         }
     }
 }
@@ -181,6 +195,11 @@ pub trait Job {
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,fma,bmi1,bmi2,lzcnt")]
 fn with_avx512<J: Job>(job: J) -> J::Output {
     job.run::<Avx512>()
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn with_avx2<J: Job>(job: J) -> J::Output {
+    job.run::<Array<true>>()
 }
 
 /// Loads lines. A loop, not `map`: the standard library may be compiled as functions of its own, without the

@@ -2,6 +2,7 @@
 use super::failure_index;
 use crate::data::exact_sum::ExactSum;
 use crate::data::labels::LabelId;
+use crate::data::shared::Clock;
 use crate::data::warehouse::{Shared, Warehouse};
 use crate::exec::relocate::Left;
 use crate::input::scene::Scene;
@@ -162,7 +163,7 @@ impl Ledger {
 
     /// The accounts, from what the report graph has just summed.
     pub fn report(&self, scene: &Scene, warehouse: &Warehouse, steps: u64) -> Report {
-        let clock: crate::data::shared::Clock = warehouse.shared.get(LabelId::Time, 0);
+        let clock: Clock = warehouse.shared.get(LabelId::Time, 0);
         let limit = scene.materials.get(clock.limited_by as usize).filter(|_| clock.limited_by >= 0.0);
         let mut report = Report {
             time: clock.time,

@@ -2,8 +2,8 @@ use crate::data::labels::{BoundaryWork, RigidImpulse, RigidMotion as RigidMotion
 use crate::data::shared::RigidState;
 use crate::graph::task::{At, Body};
 use crate::input::scene::Table;
-use crate::physics::work::Work;
 use crate::simd::Simd;
+use crate::tasks::work::Work;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Newton and Euler for rigid bodies: contact impulses and gravity change V and ω, then the body moves.

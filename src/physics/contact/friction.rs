@@ -3,8 +3,16 @@
 //! number of materials at a node.
 use super::{Exchange, Pair, dot};
 
-/// When the law acts.
-pub use crate::input::scene::Criterion;
+/// When frictional contact acts, besides the gap test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Criterion {
+    /// While the surfaces approach.
+    Approach,
+    /// While the surfaces approach or the normal traction between them is compressive.
+    ApproachOrCompression,
+    /// While the surfaces approach and the normal traction is compressive.
+    ApproachAndCompression,
+}
 
 /// Stops approach along the normal, and slip as far as friction `coefficient` allows.
 pub fn exchange(pair: &Pair, coefficient: f64, criterion: Criterion) -> Exchange {

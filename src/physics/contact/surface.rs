@@ -86,7 +86,10 @@ mod tests {
             for i in -9..=9 {
                 let s = f64::from(i) * 0.1;
                 let found = table.surface(center(s, r, shape));
-                assert!((found - s).abs() < 0.03, "r {r} shape {shape} s {s} found {found}");
+                // a node that no particle beyond the surface could reach sees only that it is deep inside
+                let deep = s < r - 1.0 - shape;
+                let right = if deep { found <= s } else { (found - s).abs() < 0.03 };
+                assert!(right, "r {r} shape {shape} s {s} found {found}");
             }
         }
     }

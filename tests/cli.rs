@@ -1,0 +1,138 @@
+//! The command as a user meets it: exit statuses, messages, and nothing overwritten.
+use assert_cmd::Command;
+use std::path::Path;
+use std::process::Output;
+
+fn sinew(arguments: &[&str]) -> Output {
+    Command::cargo_bin("sinew").expect("the command is built").args(arguments).output().expect("it starts")
+}
+
+fn short_run(out: &Path, more: &[&str]) -> Output {
+    let out = out.to_str().expect("a plain path");
+    let mut arguments = vec!["run", "problems/two-spheres", "--steps", "3", "--out", out];
+    arguments.extend(more);
+    sinew(&arguments)
+}
+
+fn words(output: &Output) -> String {
+    // messages are wrapped to the width of the terminal
+    let text =
+        String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
+    text.replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn a_run_leaves_scene_summary_history_particles_and_pictures() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = short_run(folder.path(), &[]);
+    assert!(output.status.success(), "{}", words(&output));
+    for file in ["scene.toml", "summary.json", "history.csv", "particles.vtkhdf", "section.png"] {
+        assert!(folder.path().join(file).is_file(), "{file} is missing");
+    }
+    let again = sinew(&[
+        "run",
+        folder.path().join("scene.toml").to_str().expect("a path"),
+        "--steps",
+        "3",
+        "-q",
+        "--out",
+        folder.path().join("again").to_str().expect("a path"),
+    ]);
+    assert!(again.status.success(), "{}", words(&again));
+    let hash = |dir: &Path| {
+        let text = std::fs::read_to_string(dir.join("summary.json")).expect("a summary");
+        let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        summary["state_hash"].as_str().expect("a hash").to_owned()
+    };
+    assert_eq!(
+        hash(folder.path()),
+        hash(&folder.path().join("again")),
+        "the resolved scene is the same scene"
+    );
+}
+
+#[test]
+fn a_folder_that_holds_a_run_is_not_overwritten_unless_forced() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    assert!(short_run(folder.path(), &["-q"]).status.success());
+    let before = std::fs::read(folder.path().join("history.csv")).expect("a history");
+    let refused = short_run(folder.path(), &["-q"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(words(&refused).contains("--force"), "{}", words(&refused));
+    assert_eq!(before, std::fs::read(folder.path().join("history.csv")).expect("a history"));
+    assert!(short_run(folder.path(), &["-q", "--force"]).status.success());
+}
+
+#[test]
+fn an_unwritable_output_folder_is_bad_usage() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("file");
+    std::fs::write(&file, b"not a folder").expect("a file");
+    let output = short_run(&file.join("run"), &["-q"]);
+    assert_eq!(output.status.code(), Some(2), "{}", words(&output));
+    assert!(words(&output).contains("--out"), "{}", words(&output));
+}
+
+#[test]
+fn a_bad_scene_points_at_the_line_and_exits_with_2() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scene = std::fs::read_to_string("problems/two-spheres/scene.toml").expect("the scene");
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, scene.replace("cfl = 0.4", "clf = 0.4")).expect("a file");
+    for command in ["run", "check", "graph"] {
+        let output = sinew(&[command, path.to_str().expect("a path")]);
+        assert_eq!(output.status.code(), Some(2));
+        let words = words(&output);
+        assert!(words.contains("clf") && words.contains("cfl") && words.contains("scene.toml:"), "{words}");
+    }
+}
+
+#[test]
+fn more_patches_than_blocks_is_bad_usage() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = short_run(folder.path(), &["-q", "--patches", "1000x1x1"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(words(&output).contains("1000 patches along x"), "{}", words(&output));
+}
+
+#[test]
+fn a_collapsed_step_ends_the_run_with_1_and_a_summary() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = short_run(folder.path(), &["-q", "--set", "run.smallest-step=1"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(words(&output).contains("the time step collapsed"), "{}", words(&output));
+    let summary = std::fs::read_to_string(folder.path().join("summary.json")).expect("a summary");
+    assert!(summary.contains("\"status\": \"failed\""));
+}
+
+#[test]
+fn the_graph_prints_in_every_form_and_says_why() {
+    let text = sinew(&["graph", "problems/slab-quick"]);
+    assert!(words(&text).contains("Scatter") && text.status.success());
+    let dot = sinew(&["graph", "problems/slab-quick", "--format", "dot"]);
+    assert!(words(&dot).starts_with("digraph"));
+    let json = sinew(&["graph", "problems/slab-quick", "--format", "json"]);
+    let graph: serde_json::Value = serde_json::from_slice(&json.stdout).expect("valid JSON");
+    assert!(graph["tasks"].as_array().is_some_and(|tasks| tasks.len() > 20));
+    let why = sinew(&["graph", "problems/slab-quick", "--why", "Contact"]);
+    assert!(words(&why).contains("line"), "{}", words(&why));
+    assert_eq!(sinew(&["graph", "problems/slab-quick", "--why", "Nonsense"]).status.code(), Some(2));
+}
+
+#[test]
+fn check_predicts_without_running() {
+    let output = sinew(&["check", "problems/slab-quick"]);
+    let words = words(&output);
+    for word in ["27648 particles", "memory", "wall time", "steps"] {
+        assert!(words.contains(word), "{words}");
+    }
+}
+
+#[test]
+fn every_subcommand_has_help() {
+    for command in ["run", "check", "graph", "wound", "picture", "scene-docs"] {
+        let output = sinew(&[command, "--help"]);
+        assert!(output.status.success() && words(&output).contains("Usage"), "{command}");
+    }
+    assert_eq!(sinew(&["no-such-command"]).status.code(), Some(2));
+}

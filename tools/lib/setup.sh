@@ -1,0 +1,145 @@
+# What Sinew needs beside a Rust toolchain: a linker, and HDF5 with its headers. Sourced by tools/setup, run and test.
+#
+# Nothing is installed, and no package manager is called, when nothing is missing.
+# shellcheck shell=bash
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+target=${CARGO_TARGET_DIR:-$root/target}
+[[ $target = /* ]] || target=$PWD/$target
+export CARGO_TARGET_DIR=$target
+
+say() { printf '%s\n' "$@" >&2; }
+
+# Ends with status 2: the machine lacks something that only its user can give.
+stop() {
+    say "$@"
+    exit 2
+}
+
+# The Rust toolchain: there, and as new as Cargo.toml asks.
+need_cargo() {
+    local wanted found
+    wanted=$(sed -n 's/^rust-version *= *"\(.*\)"/\1/p' "$root/Cargo.toml")
+    # a fresh installation that the shell does not know yet
+    local home=${CARGO_HOME:-${HOME:-}/.cargo}
+    if ! command -v cargo >/dev/null && [ -x "$home/bin/cargo" ]; then
+        PATH=$home/bin:$PATH
+    fi
+    command -v cargo >/dev/null ||
+        stop "There is no cargo: install Rust $wanted or newer, https://www.rust-lang.org/tools/install"
+    found=$(cargo --version </dev/null 2>&1) || stop "cargo does not start: $found"
+    found=${found#cargo }
+    found=${found%%[ -]*}
+    if [ "$(printf '%s\n' "$wanted" "$found" | sort -V | head -n 1)" != "$wanted" ]; then
+        if command -v rustup >/dev/null; then
+            stop "cargo $found is too old, Sinew needs $wanted or newer: rustup update stable"
+        fi
+        stop "cargo $found is too old: install Rust $wanted or newer, https://www.rust-lang.org/tools/install"
+    fi
+}
+
+# A C compiler that links: rustc calls it to link.
+has_linker() { echo 'int main(void) { return 0; }' | cc -x c -o /dev/null - >/dev/null 2>&1; }
+
+has_hdf5() {
+    if [ -n "${HDF5_DIR:-}" ]; then
+        [ -e "$HDF5_DIR/include/H5pubconf.h" ] || stop "HDF5_DIR=$HDF5_DIR holds no include/H5pubconf.h"
+    elif [ "$(uname -s)" = Darwin ]; then
+        command -v brew >/dev/null && brew --prefix --installed hdf5 >/dev/null 2>&1
+    else
+        pkg-config --exists hdf5 2>/dev/null || pkg-config --exists hdf5-serial 2>/dev/null ||
+            [ -e /usr/include/H5pubconf.h ] # Fedora, Arch: where the build looks by itself
+    fi
+}
+
+# cargo fetches crates over TLS and reads the system's certificates.
+has_certificates() {
+    [ -n "${SSL_CERT_FILE:-}${SSL_CERT_DIR:-}${CARGO_HTTP_CAINFO:-}" ] || [ "$(uname -s)" = Darwin ] ||
+        [ -e /etc/ssl/certs/ca-certificates.crt ] || [ -e /etc/pki/tls/certs/ca-bundle.crt ] ||
+        [ -e /etc/ssl/cert.pem ] || [ -e /etc/ssl/ca-bundle.pem ]
+}
+
+has_venv() { python3 -c 'import ensurepip, venv' 2>/dev/null; }
+
+# The build asks pkg-config for `hdf5`. Where that is another name, or a library built for MPI stands in its place, point
+# it at the serial one.
+point_at_hdf5() {
+    [ -z "${HDF5_DIR:-}" ] && command -v pkg-config >/dev/null && pkg-config --exists hdf5-serial || return 0
+    case $(pkg-config --cflags --libs hdf5 2>/dev/null) in
+        *mpi*) ;;
+        *hdf5*) return 0 ;;
+    esac
+    mkdir -p "$target/pkgconfig"
+    ln -sf "$(pkg-config --variable=pcfiledir hdf5-serial)/hdf5-serial.pc" "$target/pkgconfig/hdf5.pc"
+    export PKG_CONFIG_PATH=$target/pkgconfig${PKG_CONFIG_PATH:+:$PKG_CONFIG_PATH}
+}
+
+# Installs packages, or says how.
+install() {
+    local as=()
+    local get=(apt-get install --yes --no-install-recommends "$@")
+    if [ "$(id -u)" != 0 ]; then
+        if ! command -v sudo >/dev/null; then
+            stop "Run this as root, then try again:" "  apt-get update && ${get[*]}"
+        elif sudo -n true 2>/dev/null; then
+            as=(sudo -n)
+        elif [ -t 0 ] && [ -t 2 ]; then
+            as=(sudo)
+        else
+            stop "Run this, then try again:" "  sudo apt-get update && sudo ${get[*]}"
+        fi
+    fi
+    say "installing $*"
+    local apt=("${as[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300)
+    # a list that cannot be refreshed may still do
+    "${apt[@]}" update </dev/null >/dev/null || say "apt-get update failed; going on with the lists that are there"
+    "${apt[@]}" install --yes --no-install-recommends -o Dpkg::Use-Pty=0 "$@" </dev/null >/dev/null ||
+        stop "could not install $*: see above"
+}
+
+# Sees to all that a build needs; with `python` also to what the check of particle files needs.
+need_packages() {
+    local debian=() others=()
+    has_linker || { debian+=(gcc libc6-dev) others+=("a C compiler"); }
+    has_hdf5 || { debian+=(pkg-config libhdf5-dev) others+=("HDF5 with its headers" "pkg-config"); }
+    has_certificates || { debian+=(ca-certificates) others+=("TLS certificates"); }
+    if [ "${1:-}" = python ] && ! has_readers python3 && ! has_readers "$venv/bin/python3"; then
+        has_venv || { debian+=(python3 python3-venv) others+=("Python 3 with venv"); }
+    fi
+    if [ "${#debian[@]}" != 0 ]; then
+        if command -v apt-get >/dev/null; then
+            install "${debian[@]}"
+        else
+            say "Sinew needs: $(printf '%s, ' "${others[@]}" | sed 's/, $//'). Install them, for example"
+            if command -v dnf >/dev/null; then
+                stop "  sudo dnf install gcc pkgconf-pkg-config hdf5-devel python3"
+            elif command -v pacman >/dev/null; then
+                stop "  sudo pacman -S --needed gcc pkgconf hdf5 python"
+            elif command -v zypper >/dev/null; then
+                stop "  sudo zypper install gcc pkg-config hdf5-devel python3"
+            elif [ "$(uname -s)" = Darwin ]; then
+                stop "  xcode-select --install; brew install hdf5 pkgconf python"
+            fi
+            stop "  with your system's package manager; or set HDF5_DIR to an HDF5 that is elsewhere"
+        fi
+    fi
+    point_at_hdf5
+}
+
+# Python with h5py and VTK, which read particle files as ParaView does.
+venv=$target/python
+
+has_readers() { "$1" -c 'import h5py, vtk' >/dev/null 2>&1; }
+
+# Puts first in PATH a python3 that has the readers, in an environment of its own under target/. False if there is none.
+need_readers() {
+    has_readers python3 && return
+    if ! has_readers "$venv/bin/python3"; then
+        say "installing Python packages into $venv"
+        python3 -m venv --clear "$venv" >&2 &&
+            "$venv/bin/python3" -m pip install --quiet --no-input --disable-pip-version-check --retries 2 --timeout 30 \
+                --only-binary :all: --requirement "$root/tests/python/requirements.txt" </dev/null >&2 &&
+            "$venv/bin/python3" -c 'import h5py, vtk' >&2 || return 1
+    fi
+    export PATH=$venv/bin:$PATH
+}
