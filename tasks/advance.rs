@@ -1,8 +1,11 @@
-use crate::data::labels::{BlockExtent, GridVelocity, Position, Time, Velocity, VelocityChange};
+use crate::data::labels::{
+    BlockExtent, GridVelocity, Mass, Position, Time, TransferLoss, Velocity, VelocityChange,
+};
 use crate::graph::task::{At, Body};
 use crate::simd::{Simd, load, store};
 
 /// v_p ← (1 − β)(v_p + Σ S Δv) + β Σ S v ;  x_p ← x_p + Δt Σ S v : FLIP with a fraction β of PIC.
+/// The kinetic energy that particles gain is taken from `TransferLoss`.
 /// J. U. Brackbill, H. M. Ruppel, JCP 65, 1986, 314–343 (doi:10.1016/0021-9991(86)90211-1).
 pub struct Advance {
     /// β
@@ -14,8 +17,9 @@ pub struct Advance {
 }
 
 crate::task! { Particles task Advance {
+    requires old { mass: Mass }
     requires new { time: Time, grid_velocity: GridVelocity, change: VelocityChange }
-    computes { extent: BlockExtent }
+    computes { extent: BlockExtent, loss: TransferLoss }
     modifies { position: Position, velocity: Velocity }
 }}
 
@@ -25,18 +29,23 @@ impl Body for Advance {
         let dt = S::splat(io.time[0].step);
         let (flip, pic) = (S::splat(1.0 - self.pic), S::splat(self.pic));
         let mut extent = load(&io.extent[0]);
-        let grid = io.grid_velocity.iter().zip(io.change.iter());
-        for ((v_grid, dv), (x, v)) in grid.zip(io.position.iter_mut().zip(io.velocity.iter_mut())) {
+        let grid = io.grid_velocity.iter().zip(io.change.iter()).zip(io.mass.iter());
+        let mut gain = S::splat(0.0);
+        for (((v_grid, dv), m), (x, v)) in grid.zip(io.position.iter_mut().zip(io.velocity.iter_mut())) {
+            let half_mass = S::splat(0.5) * S::load(m);
             for a in 0..3 {
                 let on_grid = S::load(&v_grid[a]);
                 let moved = dt.fma(on_grid, S::load(&x[a]));
                 moved.store(&mut x[a]);
-                let kicked = S::load(&v[a]) + S::load(&dv[a]);
-                flip.fma(kicked, pic * on_grid).store(&mut v[a]);
+                let old = S::load(&v[a]);
+                let new = flip.fma(old + S::load(&dv[a]), pic * on_grid);
+                new.store(&mut v[a]);
+                gain = half_mass.fma((new - old) * (new + old), gain);
                 include(&mut extent, a, self.base::<S>(at, a, moved));
             }
         }
         store(&extent, &mut io.extent[0]);
+        io.loss[0].add(-gain.lanes().iter().sum::<f64>());
     }
 }
 

@@ -66,11 +66,6 @@ impl Side<'_> {
     fn force(&self) -> [f64; 3] {
         [self.sums.0[4], self.sums.0[5], self.sums.0[6]]
     }
-    /// Distance of the center of mass before the node, along its own outward direction `n` [m].
-    fn center(&self, node: [f64; 3], n: [f64; 3]) -> f64 {
-        let m = self.mass();
-        dot(n, std::array::from_fn(|a| node[a] - self.surface.0[1 + a] / m))
-    }
 }
 
 impl Contact {
@@ -137,10 +132,7 @@ impl Contact {
     ) -> Option<(Exchange, [f64; 2])> {
         let [a, b] = sides;
         let (normal, area) = self.normal(sides)?;
-        let before = |side: &Side<'_>, n| {
-            self.surfaces[side.material].surface(side.center(node, n) / self.lattice.cell)
-        };
-        let gap = before(a, normal) + before(b, normal.map(|n| -n));
+        let gap = self.before_surface(a, node) + self.before_surface(b, node);
         if gap > pair.gap {
             return None;
         }
@@ -157,6 +149,19 @@ impl Contact {
             }
         };
         Some((exchange, masses))
+    }
+
+    /// Distance from a side's surface to the node, along the side's own normal [cells]: where edges of two bodies lie
+    /// in one plane, a common normal leans out of it and would take the sides for surfaces that touch.
+    fn before_surface(&self, side: &Side<'_>, node: [f64; 3]) -> f64 {
+        let outward = side.outward();
+        let length = dot(outward, outward).sqrt();
+        if length <= 0.0 {
+            return f64::NEG_INFINITY; // no surface in sight: deep inside
+        }
+        let center: [f64; 3] = std::array::from_fn(|a| node[a] - side.surface.0[1 + a] / side.mass());
+        let distance = dot(outward, center) / length;
+        self.surfaces[side.material].surface(distance / self.lattice.cell)
     }
 
     /// Unit normal from a to b, and Σ V |∇S| of both sides. A rigid body's surface is known best: where one side is

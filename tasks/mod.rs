@@ -12,6 +12,7 @@ pub mod contact_power;
 pub mod contact_scatter;
 pub mod drive;
 pub mod gather;
+pub mod grid_power;
 pub mod integrate;
 pub mod load_power;
 pub mod loads;

@@ -11,6 +11,7 @@ use super::contact_power::ContactPower;
 use super::contact_scatter::ContactScatter;
 use super::drive::Drive;
 use super::gather::Gather;
+use super::grid_power::GridPower;
 use super::integrate::Integrate;
 use super::load_power::LoadPower;
 use super::loads::{LoadField, Loads};
@@ -70,6 +71,7 @@ pub fn timestep(scene: &Scene) -> Recipe {
     recipe.boundary();
     recipe.contact_power();
     recipe.load_power();
+    recipe.nodes("", GridPower { rigid: recipe.rigid.clone() });
     if recipe.rigid.contains(&true) {
         recipe.rigid_motion();
     }

@@ -8,8 +8,7 @@ use sinew::data::labels::LabelId;
 use sinew::data::nodes::NODES;
 use sinew::data::workspace::Workspace;
 use sinew::graph::task::{At, Runnable};
-use sinew::input::scene::Contact as Touch;
-use sinew::input::scene::{ContactLaw, Criterion};
+use sinew::input::scene::{Contact as Touch, ContactLaw, Criterion};
 use sinew::physics::contact::surface::SurfaceTable;
 use sinew::physics::contact::{Pair, bonded, dot, friction};
 use sinew::physics::lattice::Lattice;
@@ -304,7 +303,7 @@ fn blocks_feel_each_other_when_their_surfaces_meet() {
 /// Where two edges lie in one plane, nodes beside them see normals that lean out of it, and take the sides of the blocks for
 /// surfaces that touch: an impulse passes as soon as both blocks reach such a node.
 #[test]
-#[ignore = "normals at edges: impulses pass over a gap of up to 0.6 cells"]
+
 fn blocks_with_flush_edges_feel_each_other_when_their_surfaces_meet() {
     assert!(gaps("2", 2).iter().flatten().all(|gap| gap.abs() < 0.1), "remaining gap in cells");
 }

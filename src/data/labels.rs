@@ -57,5 +57,6 @@ labels! {
 
     Time:             Global,   Clock,     "s",       "time, step size, and what limits it";
     ContactWork:      Global Sum, [ExactSum; 2], "J", "kinetic energy lost in contact: by friction, by impact";
+    TransferLoss:     Global Sum, ExactSum, "J",      "kinetic energy that nodes gain and particles do not";
     BoundaryWork:     Global Sum, [ExactSum; 4], "J, N s", "work of boundaries, drives and loads on the matter, and their impulse";
 }

@@ -11,7 +11,7 @@ struct Traveler {
     material: usize,
     /// Block and position that it left: arrivals are taken in this order, whatever the patches are.
     from: (BlockIndex, usize),
-    x: [f64; 3],
+    who: Left,
     record: Vec<f64>,
 }
 
@@ -48,8 +48,10 @@ pub fn relocate(warehouse: &mut Warehouse) -> Vec<Left> {
     }
     travelers.sort_by_key(|t: &Traveler| (t.material, t.from));
     for traveler in travelers {
-        // `depart` has checked that the position lies in the level
-        let _ = warehouse.insert(traveler.material, traveler.x, &traveler.record);
+        let Traveler { material, who, record, .. } = traveler;
+        if warehouse.insert(material, who.position, &record).is_err() {
+            left.push(who);
+        }
     }
     left.sort_by_key(|l| l.identity);
     left
@@ -99,19 +101,20 @@ fn depart(
             continue;
         }
         leaving.push(particle);
+        let who = Left {
+            material,
+            patch,
+            identity: get(LabelId::Identity, 0).to_bits(),
+            position: x,
+            velocity: std::array::from_fn(|a| get(LabelId::Velocity, a)),
+            mass: get(LabelId::Mass, 0),
+        };
         if gone {
-            left.push(Left {
-                material,
-                patch,
-                identity: get(LabelId::Identity, 0).to_bits(),
-                position: x,
-                velocity: std::array::from_fn(|a| get(LabelId::Velocity, a)),
-                mass: get(LabelId::Mass, 0),
-            });
+            left.push(who);
         } else {
             let mut record = Vec::with_capacity(layout.total);
             block.read(layout, particle, &mut record);
-            travelers.push(Traveler { material, from: (block.index, particle), x, record });
+            travelers.push(Traveler { material, from: (block.index, particle), who, record });
         }
     }
     block.remove(layout, level.middle(block.index), &leaving);

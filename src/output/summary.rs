@@ -87,11 +87,15 @@ pub struct Energy {
     pub fracture: f64,
     /// Dissipated by contact friction.
     pub friction: f64,
+    /// Lost where surfaces meet: at a node they do not bounce.
+    pub impact: f64,
+    /// Lost in the transfer between particles and nodes.
+    pub transfer: f64,
     /// Dissipated by artificial viscosity and damping.
     pub viscosity: f64,
     /// Work of boundaries, drives and gravity on the matter.
     pub boundary_work: f64,
-    /// What the balance does not explain: dissipation of the transfer and error of the time step.
+    /// What the balance does not explain: the error of the time step.
     pub residual: f64,
 }
 

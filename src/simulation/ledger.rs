@@ -91,6 +91,8 @@ pub struct Report {
     pub friction: f64,
     /// Kinetic energy lost in impact at nodes so far [J].
     pub impact: f64,
+    /// Kinetic energy lost in the transfer between particles and nodes so far [J].
+    pub transfer: f64,
     /// Work of boundaries, drives and loads so far [J].
     pub boundary_work: f64,
     /// Impulse of boundaries, drives and loads so far [N s].
@@ -122,6 +124,7 @@ pub struct Ledger {
     initial_energy: f64,
     friction: f64,
     impact: f64,
+    transfer: f64,
     boundary_work: f64,
     boundary_impulse: [f64; 3],
     deleted: u64,
@@ -141,6 +144,7 @@ impl Ledger {
         let work: [ExactSum; 2] = shared.get(LabelId::ContactWork, 0);
         self.friction += work[0].value();
         self.impact += work[1].value();
+        self.transfer += shared.get::<ExactSum>(LabelId::TransferLoss, 0).value();
         let boundary: [ExactSum; 4] = shared.get(LabelId::BoundaryWork, 0);
         self.boundary_work += boundary[0].value();
         (0..3).for_each(|a| self.boundary_impulse[a] += boundary[1 + a].value());
@@ -173,13 +177,15 @@ impl Ledger {
             materials: (0..scene.materials.len()).map(|m| self.material(scene, warehouse, m)).collect(),
             friction: self.friction,
             impact: self.impact,
+            transfer: self.transfer,
             boundary_work: self.boundary_work,
             boundary_impulse: self.boundary_impulse,
             deleted_energy: self.deleted_energy,
             deleted: self.deleted,
             residual: 0.0,
         };
-        let now = report.energy().total() + self.friction + self.impact + self.deleted_energy;
+        let lost = self.friction + self.impact + self.transfer + self.deleted_energy;
+        let now = report.energy().total() + lost;
         report.residual = self.initial_energy + self.boundary_work - now;
         report
     }

@@ -29,6 +29,7 @@ const WANTED: &[LabelId] = &[
     LabelId::FirstFailure,
     LabelId::ContactWork,
     LabelId::BoundaryWork,
+    LabelId::TransferLoss,
     LabelId::BlockExtent,
 ];
 

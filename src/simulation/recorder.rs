@@ -131,7 +131,7 @@ fn columns(simulation: &Simulation) -> Vec<Column> {
             add(&format!("failed_{kind}"), "");
         }
     }
-    for part in ["friction", "impact", "boundary_work", "deleted", "residual"] {
+    for part in ["friction", "impact", "transfer", "boundary_work", "deleted", "residual"] {
         columns.push(Column::global(part, "j"));
     }
     columns.push(Column::global("deleted_particles", ""));
@@ -149,8 +149,14 @@ fn cells(report: &Report) -> Vec<Cell<'_>> {
         cells.extend(m.center.map(Cell::from));
         cells.extend(m.failed.map(Cell::from));
     }
-    let parts =
-        [report.friction, report.impact, report.boundary_work, report.deleted_energy, report.residual];
+    let parts = [
+        report.friction,
+        report.impact,
+        report.transfer,
+        report.boundary_work,
+        report.deleted_energy,
+        report.residual,
+    ];
     cells.extend(parts.map(Cell::from));
     cells.push(report.deleted.into());
     cells
@@ -180,7 +186,6 @@ fn summarize(
     let (particle_bytes, node_bytes) = simulation.warehouse.bytes();
     let more = [
         ("memory_bytes", serde_json::json!({ "particles": particle_bytes, "nodes": node_bytes })),
-        ("contact_impact_j", report.impact.into()),
         ("deleted_j", report.deleted_energy.into()),
         ("stepping_s", stepping_s.into()),
     ];
@@ -208,6 +213,8 @@ fn summarize(
             plastic: energy.plastic,
             fracture: energy.fracture,
             friction: report.friction,
+            impact: report.impact,
+            transfer: report.transfer,
             viscosity: energy.viscous,
             boundary_work: report.boundary_work,
             residual: report.residual,

@@ -1,0 +1,33 @@
+use super::contact_power::mean_velocity;
+use crate::data::labels::{NodeMotion, NodeSums, TransferLoss};
+use crate::data::nodes::NODES;
+use crate::graph::task::{At, Body};
+use crate::physics::contact::dot;
+use crate::simd::Simd;
+
+/// Σ_I m_I Δv_I · (v⁰_I + v_I)/2: the kinetic energy that the nodes gain in the step. Particles do not gain all of it:
+/// `Advance` takes what they gain away, and what is left is the loss of the transfer.
+pub struct GridPower {
+    /// Which materials are rigid: their particles follow exactly.
+    pub rigid: Vec<bool>,
+}
+
+crate::task! { Nodes task GridPower {
+    requires new { sums: NodeSums, motion: NodeMotion }
+    computes { loss: TransferLoss }
+}}
+
+impl Body for GridPower {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let mut power = 0.0;
+        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES));
+        for ((sums, motions), _) in fields.zip(at.present).filter(|(_, m)| !self.rigid[**m as usize]) {
+            for (sum, motion) in sums.iter().zip(motions) {
+                let change = [motion.0[4], motion.0[5], motion.0[6]];
+                power += sum.0[0] * dot(change, mean_velocity(motion));
+            }
+        }
+        io.loss[0].add(power);
+    }
+}
