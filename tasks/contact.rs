@@ -132,7 +132,7 @@ impl Contact {
     ) -> Option<(Exchange, [f64; 2])> {
         let [a, b] = sides;
         let (normal, area) = self.normal(sides)?;
-        let gap = self.before_surface(a, node) + self.before_surface(b, node);
+        let gap = self.gap(a, b, node);
         if gap > pair.gap {
             return None;
         }
@@ -151,17 +151,19 @@ impl Contact {
         Some((exchange, masses))
     }
 
-    /// Distance from a side's surface to the node, along the side's own normal [cells]: where edges of two bodies lie
-    /// in one plane, a common normal leans out of it and would take the sides for surfaces that touch.
-    fn before_surface(&self, side: &Side<'_>, node: [f64; 3]) -> f64 {
-        let outward = side.outward();
-        let length = dot(outward, outward).sqrt();
-        if length <= 0.0 {
-            return f64::NEG_INFINITY; // no surface in sight: deep inside
-        }
+    /// Gap between the surfaces near the node [cells], along the mean of the two unit normals: where edges of two bodies
+    /// lie in one plane, a normal weighted by what is there leans out of it, and takes sides for surfaces that touch.
+    fn gap(&self, a: &Side<'_>, b: &Side<'_>, node: [f64; 3]) -> f64 {
+        let unit = |g: [f64; 3]| g.map(|x| x / dot(g, g).sqrt().max(f64::MIN_POSITIVE));
+        let (from, to) = (unit(a.outward()), unit(b.outward()));
+        let mean = unit(std::array::from_fn(|i| from[i] - to[i]));
+        self.before_surface(a, node, mean) + self.before_surface(b, node, mean.map(|n| -n))
+    }
+
+    /// Distance from a side's surface to the node along its outward direction `n` [cells].
+    fn before_surface(&self, side: &Side<'_>, node: [f64; 3], n: [f64; 3]) -> f64 {
         let center: [f64; 3] = std::array::from_fn(|a| node[a] - side.surface.0[1 + a] / side.mass());
-        let distance = dot(outward, center) / length;
-        self.surfaces[side.material].surface(distance / self.lattice.cell)
+        self.surfaces[side.material].surface(dot(n, center) / self.lattice.cell)
     }
 
     /// Unit normal from a to b, and Σ V |∇S| of both sides. A rigid body's surface is known best: where one side is

@@ -254,8 +254,16 @@ fn the_step_of_the_slab_is_two_sweeps_over_particles_around_one_over_nodes() {
     let graph = step(&common::problem("slab", &[]));
     let gather = ["Weights", "Gather", "Stress", "Advance", "SignalSpeed"];
     let scatter = ["Weights", "MassFlow", "StressFlow", "Scatter", "ContactFlow", "ContactScatter"];
-    let nodes =
-        ["NodalVelocity", "ContactBegin", "Contact", "Integrate", "Contact", "Boundary", "ContactPower"];
+    let nodes = [
+        "NodalVelocity",
+        "ContactBegin",
+        "Contact",
+        "Integrate",
+        "Contact",
+        "Boundary",
+        "ContactPower",
+        "GridPower",
+    ];
     assert_eq!(
         stages(&graph),
         [
@@ -303,6 +311,7 @@ fn a_scene_has_the_tasks_that_it_asks_for_and_no_others() {
         "Scatter",
         "NodalVelocity",
         "Integrate",
+        "GridPower",
         "Weights",
         "Gather",
         "Stress",
@@ -310,26 +319,29 @@ fn a_scene_has_the_tasks_that_it_asks_for_and_no_others() {
         "SignalSpeed",
     ];
     assert_eq!(names(&common::scene(ONE, &[])), plain);
-    for (key, value, task, line) in [
-        ("load.gravity", "[0, 0, -9.81]", "Loads", "load"),
-        ("load.damping", "3", "Loads", "load"),
-        ("run.viscosity", "{}", "Viscosity", "run.viscosity"),
-        ("boundary.x-min", "fixed", "Boundary", "boundary"),
+    let loads: &[&str] = &["Loads", "LoadPower"];
+    for (key, value, asked, line) in [
+        ("load.gravity", "[0, 0, -9.81]", loads, "load"),
+        ("load.damping", "3", loads, "load"),
+        ("run.viscosity", "{}", &["Viscosity"], "run.viscosity"),
+        ("boundary.x-min", "fixed", &["Boundary"], "boundary"),
         (
             "drive",
             "[{ material = \"soft\", region = { box = { lower = [2, 2, 2], upper = [3, 6, 6] } }, velocity = [0, 0, 1] }]",
-            "Drive",
+            &["Drive"],
             "drive",
         ),
     ] {
         let scene = common::scene(ONE, &[(key, value)]);
         let mut more = names(&scene);
-        assert_eq!(more.iter().filter(|name| **name == task).count(), 1, "{key} asks for one {task}");
-        more.retain(|name| *name != task);
+        for task in asked {
+            assert_eq!(more.iter().filter(|name| *name == task).count(), 1, "{key} asks for one {task}");
+            let reason = step(&scene).why(task);
+            assert!(reason.iter().all(|(_, because)| because == line), "{reason:?}");
+            assert_eq!(reason.len(), 1);
+        }
+        more.retain(|name| !asked.contains(name));
         assert_eq!(more, plain, "{key} asks for nothing else");
-        let reason = step(&scene).why(task);
-        assert!(reason.iter().all(|(_, because)| because == line), "{reason:?}");
-        assert_eq!(reason.len(), 1);
     }
 }
 
@@ -360,7 +372,7 @@ fn materials_that_do_not_touch_have_no_contact() {
 fn exports_have_each_task_once() {
     let graph = step(&common::problem("slab-quick", &[]));
     let tasks = graph.graph.node_count();
-    assert_eq!(tasks, 1 + 6 + 6 + 7 + 5 + 5);
+    assert_eq!(tasks, 1 + 6 + 6 + 8 + 5 + 5);
 
     let json = graph.to_json().to_string();
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");

@@ -79,9 +79,9 @@ fn sliding_block() {
     meets_expectations("sliding-block");
 }
 
-/// A ball that has left the tissue behind is in contact with nothing: its speed is constant to rounding. Impulses come in
-/// opposite pairs and act only on surfaces that approach and touch, so nothing can pull it, or push it without a body
-/// that loses what it gains.
+/// Impulses come in opposite pairs and act only on surfaces that approach and touch: nothing can pull the ball, and only
+/// tissue that flies faster can push it. What it gains once its tail has left the slab is below a ten-thousandth of its
+/// speed.
 #[test]
 fn the_ball_does_not_gain_speed_after_it_has_left() {
     let out = tempfile::tempdir().expect("a temporary folder");
@@ -104,6 +104,5 @@ fn the_ball_does_not_gain_speed_after_it_has_left() {
         "speed when the tail leaves {first:.6} m/s, largest afterwards {fastest:.6}, at the end {:.6}",
         after[after.len() - 1]
     );
-    // loose tissue that is faster than the ball may still hit it from behind; no more than that
-    assert!(fastest < first + 0.002, "{first} m/s when it left, {fastest} m/s later");
+    assert!(fastest < first * (1.0 + 1e-4), "{first} m/s when it left, {fastest} m/s later");
 }
