@@ -252,8 +252,8 @@ static RUN: &[Field] = &[
         "shape",
         Form::Choice(&["gimp", "linear"]),
         Absent::Word("gimp"),
-        "Shape functions: uniform \
-        GIMP or trilinear.",
+        "Shape functions: uniform GIMP, or trilinear hats. With hats a particle that barely touches a node can be torn by it: \
+        they are for small motions and comparisons.",
     ),
     Field::with_default(
         "pic",
