@@ -300,10 +300,9 @@ fn blocks_feel_each_other_when_their_surfaces_meet() {
     }
 }
 
-/// Where two edges lie in one plane, nodes beside them see normals that lean out of it, and take the sides of the blocks for
-/// surfaces that touch: an impulse passes as soon as both blocks reach such a node.
+/// Where two edges lie in one plane, nodes beside them see normals that lean out of it; the sides of the blocks must not
+/// be taken for surfaces that touch.
 #[test]
-
 fn blocks_with_flush_edges_feel_each_other_when_their_surfaces_meet() {
     assert!(gaps("2", 2).iter().flatten().all(|gap| gap.abs() < 0.1), "remaining gap in cells");
 }
