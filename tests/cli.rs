@@ -136,3 +136,29 @@ fn every_subcommand_has_help() {
     }
     assert_eq!(sinew(&["no-such-command"]).status.code(), Some(2));
 }
+
+#[test]
+fn a_second_run_without_out_goes_to_a_folder_of_its_own() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/two-spheres");
+    for _ in 0..2 {
+        let mut command = Command::cargo_bin("sinew").expect("the command is built");
+        let arguments = ["--steps", "2", "-q", "--set", "output.frames=0"];
+        command.current_dir(folder.path()).arg("run").arg(&scene).args(arguments).assert().success();
+    }
+    for name in ["two-spheres", "two-spheres-2"] {
+        assert!(folder.path().join("runs").join(name).join("summary.json").is_file(), "{name}");
+    }
+}
+
+#[test]
+fn output_that_nobody_reads_ends_without_a_word() {
+    let sinew = assert_cmd::cargo::cargo_bin!("sinew");
+    let script = format!(
+        "{} scene-docs | head -1; {} graph problems/slab --format json | head -1",
+        sinew.display(),
+        sinew.display()
+    );
+    let output = std::process::Command::new("sh").args(["-c", &script]).output().expect("a shell");
+    assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+}

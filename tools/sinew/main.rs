@@ -31,7 +31,23 @@ enum Command {
     SceneDocs(scene_docs::Args),
 }
 
+/// Exit status of a program whose output nobody reads any more (128 + SIGPIPE).
+const BROKEN_PIPE: i32 = 141;
+
+/// `sinew ... | head` ends when `head` has enough, without a word.
+fn end_quietly_on_a_broken_pipe() {
+    let report = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let message = panic.payload_as_str().unwrap_or_default();
+        if message.starts_with("failed printing to stdout") && message.contains("Broken pipe") {
+            std::process::exit(BROKEN_PIPE);
+        }
+        report(panic);
+    }));
+}
+
 fn main() -> ExitCode {
+    end_quietly_on_a_broken_pipe();
     let filter = tracing_subscriber::EnvFilter::from_env("SINEW_LOG");
     let spans = tracing_subscriber::fmt::format::FmtSpan::CLOSE;
     tracing_subscriber::fmt()

@@ -57,7 +57,7 @@ impl SceneArgs {
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Folder for the results (default: runs/NAME)
+    /// Folder for the results (default: runs/NAME, or the first free of runs/NAME-2, runs/NAME-3, …)
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Overwrite a run that the folder holds
@@ -72,7 +72,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = args.scene.read()?;
     let isa = Isa::from_environment().map_err(Failure::usage)?;
-    let folder = args.out.clone().unwrap_or_else(|| Path::new("runs").join(&scene.name));
+    let folder = args.out.clone().unwrap_or_else(|| default_folder(&scene.name, args.force));
     claim(&folder, args.force)?;
     let title = format!("{} ({})", scene.title, scene.name);
     let mut simulation = Simulation::new(scene, isa)?;
@@ -108,6 +108,14 @@ fn march(
         progress.step(simulation, recorder.updates);
     }
     Ok(())
+}
+
+/// `runs/NAME`, or the first `runs/NAME-2`, `runs/NAME-3`, … that holds no run; with `force` always the first.
+fn default_folder(name: &str, force: bool) -> PathBuf {
+    let numbered = (2..).map(|n| Path::new("runs").join(format!("{name}-{n}")));
+    let mut folders = std::iter::once(Path::new("runs").join(name)).chain(numbered);
+    let first = folders.find(|folder| force || !holds_run(folder));
+    first.unwrap_or_else(|| Path::new("runs").join(name))
 }
 
 /// Refuses a folder that holds a run, unless forced, and one that cannot be written.
