@@ -140,13 +140,14 @@ impl Warehouse {
         }
         for ((patch, nodes), touched) in self.decomposition.patches.iter().zip(&mut self.nodes).zip(touched) {
             let materials = |bits: u64| (0..64).filter(|m| bits >> m & 1 == 1).collect::<Vec<u8>>();
-            nodes.blocks = patch
-                .blocks
-                .iter()
-                .zip(touched)
-                .filter(|&(_, bits)| bits != 0)
-                .map(|(index, bits)| NodeBlock::new(index, materials(bits)))
-                .collect();
+            // both lists are in x-major order: a block that stays as it was keeps its memory
+            let mut old = std::mem::take(&mut nodes.blocks).into_iter().peekable();
+            for (index, bits) in patch.blocks.iter().zip(touched).filter(|&(_, bits)| bits != 0) {
+                while old.next_if(|block| block.index < index).is_some() {}
+                let present = materials(bits);
+                let kept = old.next_if(|block| block.index == index && block.present == present);
+                nodes.blocks.push(kept.unwrap_or_else(|| NodeBlock::new(index, present)));
+            }
             fill_lookup(&mut nodes.lookup, patch.blocks, nodes.blocks.iter().map(|b| b.index));
         }
     }
