@@ -1,5 +1,4 @@
-use super::contact_power::mean_velocity;
-use super::integrate::change;
+use super::integrate::{change, mean_velocity};
 use super::work::Work;
 use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
 use crate::data::nodes::NODES;

@@ -1,7 +1,8 @@
+use super::integrate::mean_velocity;
 use crate::data::labels::{ContactImpulse, ContactWork, NodeMotion};
 use crate::graph::task::{At, Body};
 use crate::physics::contact::dot;
-use crate::simd::{Simd, Wide};
+use crate::simd::Simd;
 
 /// Energy that contact takes: − Σ J · (v⁰ + v)/2 over nodes and materials, with J all impulse of the step, v⁰ and v
 /// the velocities at its start and end.
@@ -30,11 +31,4 @@ impl Body for ContactPower {
         io.work[0][0].add(friction);
         io.work[0][1].add(impact);
     }
-}
-
-/// (v⁰ + v)/2 of a node.
-#[inline(always)]
-pub fn mean_velocity(motion: &Wide) -> [f64; 3] {
-    let [x, y, z, _, dx, dy, dz, _] = motion.0;
-    [x - 0.5 * dx, y - 0.5 * dy, z - 0.5 * dz]
 }

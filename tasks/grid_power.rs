@@ -1,4 +1,4 @@
-use super::contact_power::mean_velocity;
+use super::integrate::mean_velocity;
 use crate::data::labels::{NodeMotion, NodeSums, TransferLoss};
 use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};

@@ -35,3 +35,10 @@ pub fn change(motion: &mut Wide, dv: [f64; 3]) {
         motion.0[4 + axis] += dv[axis];
     }
 }
+
+/// (v⁰ + v)/2 of a node.
+#[inline(always)]
+pub fn mean_velocity(motion: &Wide) -> [f64; 3] {
+    let [x, y, z, _, dx, dy, dz, _] = motion.0;
+    [x - 0.5 * dx, y - 0.5 * dy, z - 0.5 * dz]
+}

@@ -1,4 +1,4 @@
-use super::contact_power::mean_velocity;
+use super::integrate::mean_velocity;
 use super::loads::LoadField;
 use super::work::Work;
 use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Time};

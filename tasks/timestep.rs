@@ -43,7 +43,7 @@ use crate::physics::shape::linear::Linear;
 /// One time step.
 pub fn timestep(scene: &Scene) -> Recipe {
     let mut recipe = Builder::new(scene);
-    recipe.once("", TimestepSize { cfl: scene.run.cfl, cell: scene.domain.cell });
+    recipe.all("", TimestepSize { cfl: scene.run.cfl, cell: scene.domain.cell });
     for m in 0..scene.materials.len() {
         recipe.weights(m);
         match &scene.materials[m].behavior {
@@ -60,18 +60,18 @@ pub fn timestep(scene: &Scene) -> Recipe {
         }
     }
 
-    recipe.nodes("", NodalVelocity { least_mass: recipe.least_mass });
+    recipe.all("", NodalVelocity { least_mass: recipe.least_mass });
     recipe.rigid_velocity();
     recipe.contact_begin();
     recipe.contact();
-    recipe.nodes("", Integrate { least_mass: recipe.least_mass });
+    recipe.all("", Integrate { least_mass: recipe.least_mass });
     recipe.loads();
     recipe.rigid_velocity();
     recipe.contact();
     recipe.boundary();
     recipe.contact_power();
     recipe.load_power();
-    recipe.nodes("", GridPower { rigid: recipe.rigid.clone() });
+    recipe.all("", GridPower { rigid: recipe.rigid.clone() });
     if recipe.rigid.contains(&true) {
         recipe.rigid_motion();
     }
@@ -174,11 +174,8 @@ impl<'a> Builder<'a> {
         self.push(Some(material), because, task);
     }
 
-    fn nodes(&mut self, because: &str, task: impl Runnable + 'static) {
-        self.push(None, because, task);
-    }
-
-    fn once(&mut self, because: &str, task: impl Runnable + 'static) {
+    /// A task over the nodes of all materials, or once a step.
+    fn all(&mut self, because: &str, task: impl Runnable + 'static) {
         self.push(None, because, task);
     }
 
@@ -204,19 +201,19 @@ impl<'a> Builder<'a> {
     fn rigid_velocity(&mut self) {
         if self.rigid.contains(&true) {
             let task = RigidVelocity { lattice: self.lattice, rigid: self.rigid.clone() };
-            self.nodes("material", task);
+            self.all("material", task);
         }
     }
 
     fn contact_begin(&mut self) {
         if !self.scene.contacts.is_empty() {
-            self.nodes("contact", ContactBegin);
+            self.all("contact", ContactBegin);
         }
     }
 
     fn contact_power(&mut self) {
         if !self.scene.contacts.is_empty() {
-            self.nodes("contact", ContactPower);
+            self.all("contact", ContactPower);
         }
     }
 
@@ -237,7 +234,7 @@ impl<'a> Builder<'a> {
             symmetric: self.scene.faces.each_ref().map(|face| *face == FaceCondition::Symmetric),
             cells: self.scene.domain.cells,
         };
-        self.nodes("contact", task);
+        self.all("contact", task);
     }
 
     /// What acts everywhere, if the scene has it.
@@ -249,14 +246,14 @@ impl<'a> Builder<'a> {
     fn loads(&mut self) {
         if let Some(field) = self.field() {
             let task = Loads { field, least_mass: self.least_mass, rigid: self.rigid.clone() };
-            self.nodes("load", task);
+            self.all("load", task);
         }
     }
 
     fn load_power(&mut self) {
         if let Some(field) = self.field() {
             let task = LoadPower { field, least_mass: self.least_mass, rigid: self.rigid.clone() };
-            self.nodes("load", task);
+            self.all("load", task);
         }
     }
 
@@ -267,7 +264,7 @@ impl<'a> Builder<'a> {
                 cells: self.scene.domain.cells,
                 rigid: self.rigid.clone(),
             };
-            self.nodes("boundary", task);
+            self.all("boundary", task);
         }
     }
 
@@ -277,7 +274,7 @@ impl<'a> Builder<'a> {
             _ => None,
         });
         let task = RigidMotion { prescribed: prescribed.collect(), gravity: self.scene.gravity };
-        self.once("material", task);
+        self.all("material", task);
     }
 
     fn stress(&mut self, material: usize, law: &AnyLaw) {

@@ -6,9 +6,10 @@ use common::{
 };
 use sinew::data::labels::LabelId;
 use sinew::for_each_particle_by_class;
+use sinew::physics::shape::BUFFER;
 use sinew::physics::shape::gimp::Gimp;
 use sinew::physics::shape::linear::Linear;
-use sinew::physics::shape::transfer::{buffer, gather, scatter};
+use sinew::physics::shape::transfer::{gather, scatter};
 use sinew::physics::shape::{NodeRows, Origin, STRIDE, ShapeFunction, Stencil};
 use sinew::simd::{Isa, Job, Simd, Wide};
 use sinew::simulation::Simulation;
@@ -46,7 +47,7 @@ struct Scattered<'a, F>(F, &'a [V3; 8], &'a NodeRows);
 impl<F: ShapeFunction> Job for Scattered<'_, F> {
     type Output = Vec<Wide>;
     fn run<S: Simd>(self) -> Vec<Wide> {
-        let (stencil, mut nodes) = (stencil::<S, F>(self.0, self.1), buffer());
+        let (stencil, mut nodes) = (stencil::<S, F>(self.0, self.1), vec![Wide::default(); BUFFER]);
         let all = [stencil];
         for_each_particle_by_class!(&all, 8, |i, X, Y, Z| scatter::<S, X, Y, Z>(
             &mut nodes, &all[0], i, &self.2[i]
@@ -180,7 +181,7 @@ impl Claim for LinearField {
         let x = positions(random);
         let (start, slope): (V3, M3) = (random.vector(), from_fn(|_| random.vector()));
         let field = |x: V3| -> V3 { from_fn(|i| start[i] + (0..3).map(|a| slope[i][a] * x[a]).sum::<f64>()) };
-        let mut nodes = buffer();
+        let mut nodes = vec![Wide::default(); BUFFER];
         for (at, line) in self::nodes() {
             let ([a, b, c], [d, e, f]) = (field(at), field(at.map(|x| 2.0 * x)));
             nodes[line] = Wide([a, b, c, 0.0, d, e, f, 0.0]);

@@ -34,11 +34,6 @@ impl Layout {
         Self { widths, starts, total, inert: history }
     }
 
-    /// Bytes a particle.
-    pub fn bytes_per_particle(&self) -> usize {
-        self.total * size_of::<Wide>() / LANES
-    }
-
     /// The labels in the layout.
     pub fn labels(&self) -> impl Iterator<Item = LabelId> {
         LabelId::ALL.iter().copied().filter(|&l| self.widths[l as usize] > 0)

@@ -1,5 +1,5 @@
 //! Node data between blocks: what each block's particles add to nodes of others, and the nodes they read.
-use crate::data::nodes::{NODES, NOWHERE, NodeBlock};
+use crate::data::nodes::{NOWHERE, NodeBlock};
 use crate::data::particles::ParticleBlock;
 use crate::data::warehouse::{NodePatch, ParticlePatch};
 use crate::grid::offset;
@@ -99,5 +99,3 @@ impl Job for LoadRegion<'_> {
         }
     }
 }
-
-const _: () = assert!(NODES == 64);

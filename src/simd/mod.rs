@@ -96,11 +96,6 @@ pub trait Simd:
         self.store(&mut line);
         line.0
     }
-    /// Lanes that are neither less than, equal to nor greater than themselves.
-    #[inline(always)]
-    fn not_a_number(self) -> Mask {
-        !(self.ge(Self::splat(f64::NEG_INFINITY)))
-    }
 }
 
 /// Instruction set, chosen once at run time. Only [`Isa::available`] makes those that need detection, and outside this

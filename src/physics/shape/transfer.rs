@@ -2,7 +2,7 @@
 //!
 //! A node is one line of eight numbers, so that an addition to a node is one vector operation; the middle node
 //! of an axis is what the outer two leave.
-use super::{BUFFER, STRIDE, Stencil};
+use super::{STRIDE, Stencil};
 use crate::simd::{Simd, Wide};
 
 /// Lines from node (0,0,0) to node (2,2,2) of a stencil.
@@ -106,9 +106,4 @@ pub fn gather<S: Simd, const X: usize, const Y: usize, const Z: usize>(
     }
     v.with_3_7(vx).store(&mut rows[0]);
     vyz.with_3(vx).store(&mut rows[1]);
-}
-
-/// A zeroed buffer of a block.
-pub fn buffer() -> Vec<Wide> {
-    vec![Wide::default(); BUFFER]
 }
