@@ -1,8 +1,6 @@
-use super::integrate::mean_velocity;
 use crate::data::labels::{NodeMotion, NodeSums, TransferLoss};
 use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};
-use crate::physics::contact::dot;
 use crate::simd::Simd;
 
 /// Σ_I m_I Δv_I · (v⁰_I + v_I)/2: the kinetic energy that the nodes gain in the step. Particles do not gain all of it:
@@ -20,14 +18,17 @@ crate::task! { Nodes task GridPower {
 impl Body for GridPower {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let mut power = 0.0;
+        let (half, mut power) = (S::splat(0.5), S::splat(0.0));
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES));
         for ((sums, motions), _) in fields.zip(at.present).filter(|(_, m)| !self.rigid[**m as usize]) {
             for (sum, motion) in sums.iter().zip(motions) {
-                let change = [motion.0[4], motion.0[5], motion.0[6]];
-                power += sum.0[0] * dot(change, mean_velocity(motion));
+                // lanes 0 to 2: m Δv · (v − Δv/2)
+                let velocity = S::load(motion);
+                let change = velocity.swap_halves();
+                let mean = half.fnma(change, velocity);
+                power = (S::splat(sum.0[0]) * change).fma(mean, power);
             }
         }
-        io.loss[0].add(power);
+        io.loss[0].add(power.lanes()[..3].iter().sum());
     }
 }

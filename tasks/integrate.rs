@@ -19,10 +19,10 @@ impl Body for Integrate {
         let dt = io.time[0].step;
         for (sum, motion) in io.sums.iter().zip(io.motion.iter_mut()) {
             let mass = sum.0[0];
-            if mass > self.least_mass {
-                let factor = dt / mass;
-                change(motion, [factor * sum.0[4], factor * sum.0[5], factor * sum.0[6]]);
-            }
+            let factor = if mass > self.least_mass { dt / mass } else { 0.0 };
+            // f both in the velocity and in its change
+            let force = S::load(sum).momentum_to_low().swap_halves();
+            (S::load(motion) + S::splat(factor) * S::join_low(force, force)).store(motion);
         }
     }
 }

@@ -1,6 +1,6 @@
 use crate::data::labels::{NodeMotion, NodeSums};
 use crate::graph::task::{At, Body};
-use crate::simd::{Simd, Wide};
+use crate::simd::Simd;
 
 /// v_I = (mv)_I / m_I, no change yet. Nodes below `least_mass` rest.
 pub struct NodalVelocity {
@@ -16,15 +16,12 @@ crate::task! { Nodes task NodalVelocity {
 impl Body for NodalVelocity {
     #[inline(always)]
     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
+        let zero = S::splat(0.0);
         for (sum, motion) in io.sums.iter().zip(io.motion.iter_mut()) {
-            *motion = Wide::default();
             let mass = sum.0[0];
-            if mass > self.least_mass {
-                let inverse = 1.0 / mass;
-                for axis in 0..3 {
-                    motion.0[axis] = sum.0[1 + axis] * inverse;
-                }
-            }
+            let inverse = if mass > self.least_mass { 1.0 / mass } else { 0.0 };
+            let momentum = S::blend_force(S::load(sum).momentum_to_low(), zero);
+            (momentum * S::splat(inverse)).store(motion);
         }
     }
 }

@@ -47,13 +47,18 @@ impl<L: Law> Body for Stress<L> {
             let new = multiply(&step, &old);
             let kinematics = Kinematics { f: new, j: determinant(&new), increment: step };
             let lines = L::HISTORY.len();
-            let history = &mut io.history[tile * lines..(tile + 1) * lines];
+            let history = io.history.tile_mut(tile, lines);
             let mut h = [S::splat(0.0); MAX_HISTORY];
             for (h, line) in h.iter_mut().zip(&*history) {
                 *h = S::load(line);
             }
             let response = self.0.update(&kinematics, &mut h[..lines]);
-            store(&h[..lines], history);
+            for (h, line) in h.iter().zip(history) {
+                // most history rarely changes: what is not written need not go back to memory
+                if h.differs(S::load(line)) != 0 {
+                    h.store(line);
+                }
+            }
 
             let frozen = response.events.frozen;
             for c in 0..9 {

@@ -1,5 +1,6 @@
 //! Labels, the columns behind them, and the views of them that tasks receive.
 pub mod exact_sum;
+pub mod extent;
 pub mod label;
 pub mod labels;
 pub mod nodes;

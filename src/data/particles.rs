@@ -1,7 +1,8 @@
 //! Particles of one material in one block: columns of tiles in one allocation.
+use super::extent::{self, Extent};
 use super::label::Home;
 use super::labels::{LABELS, LabelId};
-use crate::grid::BlockIndex;
+use crate::grid::{BlockIndex, IndexBox};
 use crate::simd::{LANES, Wide};
 
 /// Which particle labels a material has, and how many lines a tile each takes.
@@ -55,8 +56,10 @@ pub struct ParticleBlock {
     columns: Vec<Wide>,
     /// Partial node sums of this block: 8x8x8 lines from node 4b − 1 on, one buffer a scattered label.
     pub partials: [Vec<Wide>; 2],
-    /// What the block's tasks reduced over its particles.
-    pub extent: [Wide; 6],
+    /// Bounds of the particles' base nodes.
+    pub extent: Extent,
+    /// The nodes of the buffers that hold something, since the last scatter.
+    pub touched: IndexBox,
     /// Whether particles of a contacting material may touch the same nodes.
     pub near: bool,
     /// Node blocks around, in the order of `grid::around`: (patch, position), see `warehouse`.
@@ -72,7 +75,8 @@ impl ParticleBlock {
             capacity: 0,
             columns: Vec::new(),
             partials: [Vec::new(), Vec::new()],
-            extent: [Wide([f64::NEG_INFINITY; LANES]); 6],
+            extent: extent::NOBODY,
+            touched: IndexBox { lower: [0; 3], upper: [0; 3] },
             near: false,
             around: [(u32::MAX, u32::MAX); 27],
         }
@@ -114,13 +118,22 @@ impl ParticleBlock {
 
     /// Writes one number of one particle.
     pub fn set(&mut self, layout: &Layout, label: LabelId, particle: usize, component: usize, value: f64) {
+        if label == LabelId::Position {
+            self.extent = extent::ANYWHERE;
+        }
+        self.put(layout, label, particle, component, value);
+    }
+
+    fn put(&mut self, layout: &Layout, label: LabelId, particle: usize, component: usize, value: f64) {
         let width = layout.widths[label as usize];
         let line = layout.starts[label as usize] * self.capacity + particle / LANES * width + component;
         self.columns[line].0[particle % LANES] = value;
     }
 
-    /// Adds a particle whose numbers are `record`, label after label in the layout's order.
-    pub fn push(&mut self, layout: &Layout, rest: [f64; 3], record: &[f64]) {
+    /// Adds a particle whose numbers are `record`, label after label in the layout's order; `base` is its base node
+    /// before rounding down.
+    pub fn push(&mut self, layout: &Layout, rest: [f64; 3], base: [f64; 3], record: &[f64]) {
+        extent::include(&mut self.extent, base);
         if self.count == self.capacity * LANES {
             self.grow(layout, rest);
         }
@@ -142,7 +155,7 @@ impl ParticleBlock {
         let mut numbers = record.iter();
         for label in layout.labels() {
             for (component, &value) in (0..layout.widths[label as usize]).zip(&mut numbers) {
-                self.set(layout, label, particle, component, value);
+                self.put(layout, label, particle, component, value);
             }
         }
     }
@@ -196,7 +209,7 @@ impl ParticleBlock {
                     LabelId::Identity => f64::from_bits(u64::MAX),
                     _ => 0.0,
                 };
-                self.set(layout, label, particle, component, value);
+                self.put(layout, label, particle, component, value);
             }
         }
     }
@@ -209,5 +222,5 @@ pub struct Split<'a> {
     /// See [`ParticleBlock::partials`].
     pub partials: &'a mut [Vec<Wide>; 2],
     /// See [`ParticleBlock::extent`].
-    pub extent: &'a mut [Wide; 6],
+    pub extent: &'a mut Extent,
 }

@@ -44,6 +44,13 @@ impl<'a, T: Pod> Write<'a, T> {
         let ahead = self.ahead;
         self.tiles.iter_mut().inspect(move |tile| announce(*tile, ahead))
     }
+    /// Tile `tile` of a label whose tiles have `width` elements each.
+    #[inline(always)]
+    pub fn tile_mut(&mut self, tile: usize, width: usize) -> &mut [T] {
+        let tile = &mut self.tiles[tile * width..(tile + 1) * width];
+        tile.iter().for_each(|element| announce(element, self.ahead));
+        tile
+    }
 }
 
 /// Prefetches the tile `ahead` tiles after this one.

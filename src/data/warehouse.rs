@@ -94,8 +94,8 @@ impl Warehouse {
     /// # Errors
     /// A position outside the level.
     pub fn insert(&mut self, material: usize, x: [f64; 3], record: &[f64]) -> Result<(), OutsideLevel> {
-        let node = self.level.base_node(x, self.materials[material].half_size);
-        let index = Level::block_of(node);
+        let base = self.level.base(x, self.materials[material].half_size);
+        let index = Level::block_of(base.map(|y| y.floor() as i32));
         let patch = self.decomposition.owner(index).filter(|_| self.level.contains(x)).ok_or(OutsideLevel)?;
         let rest = self.level.middle(index);
         let blocks = self.decomposition.patches[patch].blocks;
@@ -106,7 +106,7 @@ impl Warehouse {
             *slot = home.blocks.len() as u32;
             self.stale = true;
         }
-        home.blocks[*slot as usize - 1].push(&self.materials[material].layout, rest, record);
+        home.blocks[*slot as usize - 1].push(&self.materials[material].layout, rest, base, record);
         Ok(())
     }
 

@@ -1,10 +1,10 @@
 //! Moves particles that drifted out of reach of their block to the block, and the patch, where they are now.
+use crate::data::extent::{MARGIN, bounds};
 use crate::data::labels::LabelId;
 use crate::data::particles::ParticleBlock;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::grid::{BLOCK, BlockIndex, Level};
 use crate::physics::shape::{BASES, BELOW};
-use crate::simd::Wide;
 
 /// A particle on its way.
 struct Traveler {
@@ -57,10 +57,8 @@ pub fn relocate(warehouse: &mut Warehouse) -> Vec<Left> {
     left
 }
 
-/// Stencils round y a little differently than this file does: particles move that much early [cells].
-const MARGIN: f64 = 1e-6;
-
-/// Whether the coordinate y (base node before rounding down) is out of reach of the block on some axis.
+/// Whether the coordinate y (base node before rounding down) is out of reach of the block on some axis; particles
+/// move a margin early.
 fn out_of_reach(block: BlockIndex, axis: usize, y: f64) -> bool {
     let first = f64::from(BLOCK * block[axis] - BELOW);
     !(y >= first + MARGIN && y < first + f64::from(BASES) - MARGIN)
@@ -72,11 +70,10 @@ fn outside(level: &Level, data: &MaterialData, axis: usize, y: f64) -> bool {
 }
 
 fn somebody_left(level: &Level, data: &MaterialData, block: &ParticleBlock) -> bool {
-    let largest = |line: &Wide| line.0.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     block.count > 0
         && (0..3).any(|axis| {
-            let (top, bottom) = (largest(&block.extent[axis]), -largest(&block.extent[axis + 3]));
-            [top, bottom].iter().any(|&y| {
+            let (least, most) = bounds(&block.extent, axis);
+            [least, most].iter().any(|&y| {
                 y.is_finite() && (out_of_reach(block.index, axis, y) || outside(level, data, axis, y))
             })
         })
@@ -95,9 +92,9 @@ fn depart(
     for particle in 0..block.count {
         let get = |label, component| block.get(layout, label, particle, component);
         let x: [f64; 3] = std::array::from_fn(|a| get(LabelId::Position, a));
-        let y = |a: usize| (x[a] - level.lower[a]) / level.cell - data.half_size[a];
-        let gone = (0..3).any(|a| outside(level, data, a, y(a))) || !level.contains(x);
-        if !gone && !(0..3).any(|a| out_of_reach(block.index, a, y(a))) {
+        let y = level.base(x, data.half_size);
+        let gone = (0..3).any(|a| outside(level, data, a, y[a])) || !level.contains(x);
+        if !gone && !(0..3).any(|a| out_of_reach(block.index, a, y[a])) {
             continue;
         }
         leaving.push(particle);

@@ -1,6 +1,7 @@
 //! One stage on one block: columns are laid out, then the fused tasks run chunk by chunk.
-use super::halo::{LoadRegion, SumPartials};
+use super::halo::{Around, Clear, LoadRegion, MotionAround, SumPartials};
 use super::scratch::{AHEAD, CHUNK, Scratch};
+use crate::data::extent;
 use crate::data::label::Home;
 use crate::data::labels::{LABELS, LabelId};
 use crate::data::nodes::{NODES, NodeBlock};
@@ -64,18 +65,22 @@ pub fn sweep(
     let Some(material) = stage.material else { return };
     let layout = &context.materials[material].layout;
     let (mut columns, shared) = scratch.split();
-    for (label, which) in SCATTERED {
-        let exists = label == LabelId::NodeSums || block.near;
-        if stage.touches(label, Mode::writes) && exists {
-            block.partials[which].clear();
-            block.partials[which].resize(BUFFER, Wide::default());
-        } else if stage.touches(label, Mode::writes) {
-            block.partials[which] = Vec::new();
+    if stage.touches(LabelId::NodeSums, Mode::writes) {
+        block.touched = extent::touched(&block.extent, block.index);
+    }
+    for (label, which) in SCATTERED.iter().filter(|(label, _)| stage.touches(*label, Mode::writes)) {
+        let (buffer, touched) = (&mut block.partials[*which], &block.touched);
+        if *label == LabelId::NodeSums || block.near {
+            buffer.resize(BUFFER, Wide::default());
+            context.isa.dispatch(Clear { buffer, touched });
+        } else {
+            *buffer = Vec::new();
         }
     }
     if stage.touches(LabelId::NodeMotion, Mode::reads) {
         let region = &mut *columns[LabelId::NodeMotion as usize];
-        context.isa.dispatch(LoadRegion { material, nodes, around: &block.around, region });
+        let from = MotionAround { material, nodes, around: &block.around, touched: &block.touched };
+        context.isa.dispatch(LoadRegion { from, region });
     }
     let (count, tiles, near, index) = (block.count, block.tiles(), block.near, block.index);
     let split = block.split(layout);
@@ -132,7 +137,8 @@ pub fn update_nodes(
         let slots = column.chunks_exact_mut(NODES).zip(&block.present).zip(&block.around);
         for ((sums, &material), around) in slots {
             let material = material as usize;
-            context.isa.dispatch(SumPartials { which, material, particles, around, sums });
+            let from = Around { which, material, particles, around };
+            context.isa.dispatch(SumPartials { from, sums });
         }
         columns[label as usize] = column;
     }

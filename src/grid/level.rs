@@ -33,9 +33,15 @@ impl Level {
         self.cells.map(|n| n.div_ceil(BLOCK as usize))
     }
 
-    /// The stencil's lowest node along each axis for a particle at `x` [m] of half-size `half` [cells].
+    /// The stencil's lowest node along each axis, before rounding down, for a particle at `x` [m] of half-size
+    /// `half` [cells].
+    pub fn base(&self, x: [f64; 3], half: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|a| (x[a] - self.lower[a]) / self.cell - half[a])
+    }
+
+    /// The stencil's lowest node along each axis.
     pub fn base_node(&self, x: [f64; 3], half: [f64; 3]) -> [i32; 3] {
-        std::array::from_fn(|a| ((x[a] - self.lower[a]) / self.cell - half[a]).floor() as i32)
+        self.base(x, half).map(|y| y.floor() as i32)
     }
 
     /// The block that owns a node.

@@ -63,8 +63,8 @@ pub fn around() -> impl Iterator<Item = [i32; 3]> {
 }
 
 /// The `q`-th of the offsets [`around`] a block.
-pub fn offset(q: i32) -> [i32; 3] {
-    [q / 9 - 1, q / 3 % 3 - 1, q % 3 - 1]
+pub fn offset(q: usize) -> [i32; 3] {
+    [q / 9, q / 3 % 3, q % 3].map(|i| i as i32 - 1)
 }
 
 /// `a + b` on each axis.

@@ -83,6 +83,10 @@ impl<const FUSED: bool> Simd for Array<FUSED> {
         mask(|i| self.0[i] < b.0[i])
     }
     #[inline(always)]
+    fn differs(self, b: Self) -> Mask {
+        mask(|i| self.0[i] != b.0[i])
+    }
+    #[inline(always)]
     fn select(mask: Mask, yes: Self, no: Self) -> Self {
         lanes(|i| if mask >> i & 1 == 1 { yes.0[i] } else { no.0[i] })
     }
@@ -120,6 +124,10 @@ impl<const FUSED: bool> Simd for Array<FUSED> {
     fn momentum_to_low(self) -> Self {
         let s = self.0;
         Array([s[1], s[2], s[3], 0.0, s[4], s[5], s[6], 0.0])
+    }
+    #[inline(always)]
+    fn swap_halves(self) -> Self {
+        lanes(|i| self.0[(i + 4) % 8])
     }
     #[inline(always)]
     fn join_low(a: Self, b: Self) -> Self {

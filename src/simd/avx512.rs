@@ -110,6 +110,11 @@ impl Simd for Avx512 {
         unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, b.0) }
     }
     #[inline(always)]
+    fn differs(self, b: Self) -> Mask {
+        // SAFETY: see `op!`.
+        unsafe { _mm512_cmp_pd_mask::<_CMP_NEQ_UQ>(self.0, b.0) }
+    }
+    #[inline(always)]
     fn select(mask: Mask, yes: Self, no: Self) -> Self {
         op!(_mm512_mask_blend_pd(mask, no.0, yes.0))
     }
@@ -152,6 +157,10 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn momentum_to_low(self) -> Self {
         op!(_mm512_maskz_permutexvar_pd(0b0111_0111, _mm512_set_epi64(0, 6, 5, 4, 0, 3, 2, 1), self.0))
+    }
+    #[inline(always)]
+    fn swap_halves(self) -> Self {
+        op!(_mm512_shuffle_f64x2::<0x4E>(self.0, self.0))
     }
     #[inline(always)]
     fn join_low(a: Self, b: Self) -> Self {

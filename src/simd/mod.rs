@@ -67,6 +67,8 @@ pub trait Simd:
     fn ge(self, b: Self) -> Mask;
     /// Lanes where self < b (false where either is not a number).
     fn lt(self, b: Self) -> Mask;
+    /// Lanes where self ≠ b (true where either is not a number).
+    fn differs(self, b: Self) -> Mask;
     /// `yes` in the lanes of `mask`, `no` in the others.
     fn select(mask: Mask, yes: Self, no: Self) -> Self;
     /// self · 2ⁿ for integral n
@@ -80,8 +82,10 @@ pub trait Simd:
     fn blend_force(a: Self, b: Self) -> Self;
     /// Lanes 0–2 moved to lanes 4–6, the others zero.
     fn low_to_force(self) -> Self;
-    /// `[v, 0, a, 0]` from `[m, mv, f, V]` / m: lanes 1–3 to 0–2, the force stays.
+    /// `[p, 0, f, 0]` from `[m, p, f, V]`: lanes 1–3 to 0–2, the force stays.
     fn momentum_to_low(self) -> Self;
+    /// Lanes 4–7, then lanes 0–3.
+    fn swap_halves(self) -> Self;
     /// `[a.low half, b.low half]`
     fn join_low(a: Self, b: Self) -> Self;
     /// Lanes 3 and 7 replaced by lanes 0 and 1 of `g`.

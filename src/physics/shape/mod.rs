@@ -14,6 +14,8 @@ pub const BUFFER: usize = 8 * STRIDE[0];
 pub const BELOW: i32 = 1;
 /// Base nodes (relative to the buffer) that a particle of the block may have.
 pub const BASES: i32 = 6;
+/// Most nodes that a particle touches along an axis.
+pub const NODES_PER_AXIS: i32 = 3;
 /// Layers of nodes beyond a block's own that its particles can reach: what node labels are stored for.
 pub const REACH: u8 = 3;
 /// Tiles whose particles are taken class by class: the unit of summation order.
