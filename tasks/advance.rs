@@ -1,5 +1,5 @@
 use crate::data::labels::{
-    BlockExtent, GridVelocity, Mass, Position, Time, TransferLoss, Velocity, VelocityChange,
+    BlockExtent, GridVelocity, Mass, Position, Step, TransferLoss, Velocity, VelocityChange,
 };
 use crate::graph::task::{At, Body};
 use crate::simd::{Simd, load, store};
@@ -18,7 +18,7 @@ pub struct Advance {
 
 crate::task! { Particles task Advance {
     requires old { mass: Mass }
-    requires new { time: Time, grid_velocity: GridVelocity, change: VelocityChange }
+    requires new { step: Step, grid_velocity: GridVelocity, change: VelocityChange }
     computes { extent: BlockExtent, loss: TransferLoss }
     modifies { position: Position, velocity: Velocity }
 }}
@@ -26,7 +26,7 @@ crate::task! { Particles task Advance {
 impl Body for Advance {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let dt = S::splat(io.time[0].step);
+        let dt = S::splat(io.step[0].size);
         let (flip, pic) = (S::splat(1.0 - self.pic), S::splat(self.pic));
         let mut extent = load(&io.extent[0]);
         let grid = io.grid_velocity.iter().zip(io.change.iter()).zip(io.mass.iter());

@@ -7,7 +7,7 @@ use crate::grid::BLOCK;
 use crate::input::scene::FaceCondition;
 use crate::simd::Simd;
 
-/// Conditions on the faces of the domain, on all nodes at or beyond them.
+/// Conditions on the faces of the domain, on all nodes at or beyond them, at the end of a material's step.
 pub struct Boundary {
     /// On x−, x+, y−, y+, z−, z+.
     pub faces: [FaceCondition; 6],
@@ -57,8 +57,8 @@ impl Body for Boundary {
         }
         let time = io.time[0].time + io.time[0].step;
         let mut work = Work::default();
-        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES));
-        for ((sums, motions), _) in fields.zip(at.present).filter(|(_, m)| !self.rigid[**m as usize]) {
+        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
+        for ((sums, motions), _) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material as usize]) {
             for (n, (sum, motion)) in (0..).zip(sums.iter().zip(motions)) {
                 let node = std::array::from_fn(|a| at.node[a] + (n >> (4 - 2 * a) & 3));
                 for face in (0..6).filter(|&face| self.holds(face, node)) {

@@ -39,7 +39,7 @@ crate::task! { Nodes task Contact {
 impl Body for Contact {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        if at.present.len() > 1 {
+        if at.fields.len() > 1 {
             self.exchange_all(at, &mut io);
         }
     }
@@ -51,6 +51,8 @@ struct Side<'a> {
     sums: &'a Wide,
     surface: &'a Wide,
     velocity: [f64; 3],
+    /// How long ago its particles gave what the node knows of its surface [s].
+    elapsed: f64,
     /// Axes across which the material goes on beyond the domain.
     mirrored: [bool; 3],
 }
@@ -72,8 +74,9 @@ impl Contact {
     #[inline(never)]
     fn exchange_all(&self, at: &At<'_>, io: &mut Io<'_>) {
         for pair in &self.pairs {
-            let slot = |material: usize| at.present.iter().position(|&m| m as usize == material);
+            let slot = |material: usize| at.fields.iter().position(|f| f.material as usize == material);
             let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
+            let elapsed = [at.fields[a].elapsed, at.fields[b].elapsed];
             let mut pushed = [[0.0; 7]; 2];
             for n in 0..NODES {
                 let lines = [NODES * a + n, NODES * b + n];
@@ -87,6 +90,7 @@ impl Contact {
                     sums: &io.sums[lines[i]],
                     surface: &io.surfaces[lines[i]],
                     velocity: [0, 1, 2].map(|axis| io.motion[lines[i]].0[axis]),
+                    elapsed: elapsed[i],
                     mirrored,
                 });
                 let Some((exchange, masses)) = self.exchange(pair, &sides, node, &io.bodies) else {
@@ -162,7 +166,9 @@ impl Contact {
 
     /// Distance from a side's surface to the node along its outward direction `n` [cells].
     fn before_surface(&self, side: &Side<'_>, node: [f64; 3], n: [f64; 3]) -> f64 {
-        let center: [f64; 3] = std::array::from_fn(|a| node[a] - side.surface.0[1 + a] / side.mass());
+        // the center of mass goes on with the node while the particles wait
+        let moved = |a: usize| side.surface.0[1 + a] / side.mass() + side.elapsed * side.velocity[a];
+        let center: [f64; 3] = std::array::from_fn(|a| node[a] - moved(a));
         self.surfaces[side.material].surface(dot(n, center) / self.lattice.cell)
     }
 

@@ -1,8 +1,9 @@
 use crate::data::labels::{ContactImpulse, NodeMotion};
+use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};
 use crate::simd::{Simd, Wide};
 
-/// No impulse yet in this step.
+/// No impulse yet, where a step begins.
 pub struct ContactBegin;
 
 crate::task! { Nodes task ContactBegin {
@@ -13,8 +14,7 @@ crate::task! { Nodes task ContactBegin {
 impl Body for ContactBegin {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        if at.present.len() > 1 {
-            io.impulse[..io.motion.len()].fill(Wide::default());
-        }
+        let fields = io.impulse.chunks_exact_mut(NODES).zip(at.fields);
+        fields.filter(|(_, field)| field.begins).for_each(|(impulse, _)| impulse.fill(Wide::default()));
     }
 }

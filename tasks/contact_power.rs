@@ -1,10 +1,11 @@
 use super::integrate::mean_velocity;
 use crate::data::labels::{ContactImpulse, ContactWork, NodeMotion};
+use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};
 use crate::physics::contact::dot;
 use crate::simd::Simd;
 
-/// Energy that contact takes: − Σ J · (v⁰ + v)/2 over nodes and materials, with J all impulse of the step, v⁰ and v
+/// Energy that contact takes: − Σ J · (v⁰ + v)/2 over nodes and materials, with J all impulse of a material's step, v⁰ and v
 /// the velocities at its start and end.
 ///
 /// Measured against the motion of the whole step, because a surface that is merely pressed against another is
@@ -19,14 +20,17 @@ crate::task! { Nodes task ContactPower {
 impl Body for ContactPower {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        if at.present.len() < 2 {
+        if at.fields.len() < 2 {
             return;
         }
         let (mut friction, mut impact) = (0.0, 0.0);
-        for (impulse, motion) in io.impulse.iter().zip(io.motion.iter()) {
-            let mean = mean_velocity(motion);
-            impact -= dot([impulse.0[0], impulse.0[1], impulse.0[2]], mean);
-            friction -= dot([impulse.0[4], impulse.0[5], impulse.0[6]], mean);
+        let fields = io.impulse.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES)).zip(at.fields);
+        for ((impulses, motions), _) in fields.filter(|(_, field)| field.ends) {
+            for (impulse, motion) in impulses.iter().zip(motions) {
+                let mean = mean_velocity(motion);
+                impact -= dot([impulse.0[0], impulse.0[1], impulse.0[2]], mean);
+                friction -= dot([impulse.0[4], impulse.0[5], impulse.0[6]], mean);
+            }
         }
         io.work[0][0].add(friction);
         io.work[0][1].add(impact);

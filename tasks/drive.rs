@@ -1,5 +1,5 @@
 use super::work::Work;
-use crate::data::labels::{BoundaryWork, DriveIndex, GridVelocity, Mass, Time, Velocity, VelocityChange};
+use crate::data::labels::{BoundaryWork, DriveIndex, GridVelocity, Mass, Step, Velocity, VelocityChange};
 use crate::graph::task::{At, Body};
 use crate::input::scene::Table;
 use crate::simd::{LANES, Simd};
@@ -12,7 +12,7 @@ pub struct Drive {
 
 crate::task! { Particles task Drive {
     requires old { index: DriveIndex, mass: Mass, velocity: Velocity }
-    requires new { time: Time }
+    requires new { step: Step }
     computes { work: BoundaryWork }
     modifies { grid_velocity: GridVelocity, change: VelocityChange }
 }}
@@ -20,7 +20,7 @@ crate::task! { Particles task Drive {
 impl Body for Drive {
     #[inline(always)]
     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
-        let time = io.time[0].time + io.time[0].step;
+        let time = io.step[0].time + io.step[0].size;
         let mut work = Work::default();
         let grid = io.grid_velocity.iter_mut().zip(io.change.iter_mut());
         let particles = io.index.iter().zip(io.mass.iter()).zip(io.velocity.iter());

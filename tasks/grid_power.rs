@@ -19,8 +19,8 @@ impl Body for GridPower {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let (half, mut power) = (S::splat(0.5), S::splat(0.0));
-        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES));
-        for ((sums, motions), _) in fields.zip(at.present).filter(|(_, m)| !self.rigid[**m as usize]) {
+        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES)).zip(at.fields);
+        for ((sums, motions), _) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material as usize]) {
             for (sum, motion) in sums.iter().zip(motions) {
                 // lanes 0 to 2: m Δv · (v − Δv/2)
                 let velocity = S::load(motion);

@@ -1,28 +1,33 @@
-use crate::data::labels::{NodeMotion, NodeSums, Time};
+use crate::data::labels::{NodeMotion, NodeSums, Step};
+use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};
 use crate::simd::{Simd, Wide};
 
-/// v_I ← v_I + Δt f_I / m_I : symplectic Euler on the nodes.
+/// v_I ← v_I + Δt f_I / m_I : symplectic Euler on the nodes. Where a material waits for a faster one, Δt is the part of
+/// its step that has passed since, so that its velocity is v⁰ + s Δt a + C in the midst of its step, with C what contact
+/// did so far.
 pub struct Integrate {
     /// Mass below which a node carries nothing [kg].
     pub least_mass: f64,
 }
 
 crate::task! { Nodes task Integrate {
-    requires new { time: Time, sums: NodeSums }
+    requires new { step: Step, sums: NodeSums }
     modifies { motion: NodeMotion }
 }}
 
 impl Body for Integrate {
     #[inline(always)]
-    fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
-        let dt = io.time[0].step;
-        for (sum, motion) in io.sums.iter().zip(io.motion.iter_mut()) {
-            let mass = sum.0[0];
-            let factor = if mass > self.least_mass { dt / mass } else { 0.0 };
-            // f both in the velocity and in its change
-            let force = S::load(sum).momentum_to_low().swap_halves();
-            (S::load(motion) + S::splat(factor) * S::join_low(force, force)).store(motion);
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
+        for ((sums, motions), field) in fields {
+            for (sum, motion) in sums.iter().zip(motions) {
+                let mass = sum.0[0];
+                let factor = if mass > self.least_mass { field.pending / mass } else { 0.0 };
+                // f both in the velocity and in its change
+                let force = S::load(sum).momentum_to_low().swap_halves();
+                (S::load(motion) + S::splat(factor) * S::join_low(force, force)).store(motion);
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 use super::integrate::mean_velocity;
 use super::loads::LoadField;
 use super::work::Work;
-use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
+use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Step};
 use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};
 use crate::simd::Simd;
@@ -17,19 +17,18 @@ pub struct LoadPower {
 }
 
 crate::task! { Nodes task LoadPower {
-    requires new { time: Time, sums: NodeSums, motion: NodeMotion }
+    requires new { step: Step, sums: NodeSums, motion: NodeMotion }
     computes { work: BoundaryWork }
 }}
 
 impl Body for LoadPower {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let dt = io.time[0].step;
         let mut work = Work::default();
-        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES));
-        for ((sums, motions), _) in fields.zip(at.present).filter(|(_, m)| !self.rigid[**m as usize]) {
+        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES)).zip(at.fields);
+        for ((sums, motions), field) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material as usize]) {
             for (sum, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.0[0] > self.least_mass) {
-                work.add(sum.0[0], mean_velocity(motion), self.field.change(motion, dt));
+                work.add(sum.0[0], mean_velocity(motion), self.field.change(motion, field.step));
             }
         }
         work.store(&mut io.work[0]);

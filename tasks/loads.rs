@@ -1,5 +1,5 @@
 use super::integrate::change;
-use crate::data::labels::{NodeMotion, NodeSums, Time};
+use crate::data::labels::{NodeMotion, NodeSums, Step};
 use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};
 use crate::simd::{Simd, Wide};
@@ -34,18 +34,17 @@ impl LoadField {
 }
 
 crate::task! { Nodes task Loads {
-    requires new { time: Time, sums: NodeSums }
+    requires new { step: Step, sums: NodeSums }
     modifies { motion: NodeMotion }
 }}
 
 impl Body for Loads {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let dt = io.time[0].step;
-        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES));
-        for ((sums, motions), _) in fields.zip(at.present).filter(|(_, m)| !self.rigid[**m as usize]) {
+        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
+        for ((sums, motions), field) in fields.filter(|(_, f)| !self.rigid[f.material as usize]) {
             for (_, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.0[0] > self.least_mass) {
-                let dv = self.field.change(motion, dt);
+                let dv = self.field.change(motion, field.pending);
                 change(motion, dv);
             }
         }

@@ -3,9 +3,9 @@ use crate::data::labels::{
     Fault, Identity, InitialVolume, Mass, Position, SignalSpeed as SignalSpeedLabel, StiffnessBound, Velocity,
 };
 use crate::graph::task::{At, Body};
-use crate::simd::{Simd, load};
+use crate::simd::{Simd, load, store};
 
-/// max_p (c + |v|), with ρ₀ c² from the law's bound: what limits the next step.
+/// max_p of c + |v|, of c and of |v|, with ρ₀ c² from the law's bound: what limits the next step.
 pub struct SignalSpeed;
 
 crate::task! { Particles task SignalSpeed {
@@ -19,20 +19,23 @@ impl Body for SignalSpeed {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let (zero, tiny) = (S::splat(0.0), S::splat(f64::MIN_POSITIVE));
-        let mut largest = S::load(&io.speed[0]);
+        let mut largest = load::<S, 3>(&io.speed[0]);
         let scalars = io.mass.iter().zip(io.initial_volume.iter()).zip(io.stiffness.iter());
         for (tile, (((m, v0), stiffness), v)) in scalars.zip(io.velocity.iter()).enumerate() {
-            let c2 = S::load(stiffness) * S::load(v0) / S::load(m).max(tiny);
+            let c = (S::load(stiffness) * S::load(v0) / S::load(m).max(tiny)).sqrt();
             let [x, y, z] = load::<S, 3>(v);
-            let speed = c2.sqrt() + x.fma(x, y.fma(y, z * z)).sqrt();
+            let v = x.fma(x, y.fma(y, z * z)).sqrt();
+            let speed = c + v;
             let finite = speed.lt(S::splat(f64::INFINITY));
             let here = at.lanes(tile);
-            largest = largest.max(S::select(finite & here, speed, zero));
+            for (largest, speed) in largest.iter_mut().zip([speed, c, v]) {
+                *largest = largest.max(S::select(finite & here, speed, zero));
+            }
             if !finite & here != 0 {
                 let who = Who { identity: &io.identity[tile], x: &io.position[tile], time: 0.0 };
                 who.is_at_fault(!finite & here, fault::NOT_FINITE, speed, &mut io.fault[0]);
             }
         }
-        largest.store(&mut io.speed[0]);
+        store(&largest, &mut io.speed[0]);
     }
 }

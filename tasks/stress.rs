@@ -1,6 +1,6 @@
 use crate::data::labels::{
     Deformation, Fault, FirstFailure, History, Identity, InitialVolume, KirchhoffStress, Position,
-    StiffnessBound, Time, VelocityGradient, Volume,
+    Step, StiffnessBound, VelocityGradient, Volume,
 };
 use crate::data::reduction::earlier;
 use crate::graph::task::{At, Body};
@@ -17,7 +17,7 @@ pub struct Stress<L>(pub L);
 crate::task! { Particles task Stress [L: Law] {
     requires old { position: Position, initial_volume: InitialVolume, identity: Identity }
     requires new { gradient: VelocityGradient }
-    requires now { time: Time }
+    requires now { step: Step }
     computes {
         stress: KirchhoffStress,
         stiffness: StiffnessBound,
@@ -38,7 +38,7 @@ pub mod fault {
 impl<L: Law> Body for Stress<L> {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let dt = S::splat(io.time[0].step);
+        let dt = S::splat(io.step[0].size);
         let tiles = io.gradient.iter().zip(io.deformation.iter_mut()).zip(io.stress.iter_mut());
         let scalars = io.initial_volume.iter().zip(io.volume.iter_mut()).zip(io.stiffness.iter_mut());
         for (tile, (((l, f), tau), ((v0, volume), stiffness))) in tiles.zip(scalars).enumerate() {
@@ -73,7 +73,7 @@ impl<L: Law> Body for Stress<L> {
             let Events { matrix_failed, fiber_failed, inverted, .. } = response.events;
             let here = at.lanes(tile);
             if (matrix_failed | fiber_failed | inverted) & here != 0 {
-                let who = Who { identity: &io.identity[tile], x: &io.position[tile], time: io.time[0].time };
+                let who = Who { identity: &io.identity[tile], x: &io.position[tile], time: io.step[0].time };
                 who.fails(matrix_failed & here, &mut io.first[0][0]);
                 who.fails(fiber_failed & here, &mut io.first[0][1]);
                 who.is_at_fault(inverted & here, fault::INVERTED, kinematics.j, &mut io.fault[0]);

@@ -32,7 +32,7 @@ use super::viscosity::Viscosity;
 use super::weights::Weights;
 use crate::graph::recipe::{Entry, Recipe};
 use crate::graph::task::Runnable;
-use crate::input::scene::{Behavior, FaceCondition, RigidMotion as Motion, Scene, ShapeFunction};
+use crate::input::scene::{Behavior, FaceCondition, Rates, RigidMotion as Motion, Scene, ShapeFunction};
 use crate::physics::contact::surface::SurfaceTable;
 use crate::physics::lattice::Lattice;
 use crate::physics::law::Law;
@@ -43,7 +43,7 @@ use crate::physics::shape::linear::Linear;
 /// One time step.
 pub fn timestep(scene: &Scene) -> Recipe {
     let mut recipe = Builder::new(scene);
-    recipe.all("", TimestepSize { cfl: scene.run.cfl, cell: scene.domain.cell });
+    recipe.timestep_size();
     for m in 0..scene.materials.len() {
         recipe.weights(m);
         match &scene.materials[m].behavior {
@@ -177,6 +177,25 @@ impl<'a> Builder<'a> {
     /// A task over the nodes of all materials, or once a step.
     fn all(&mut self, because: &str, task: impl Runnable + 'static) {
         self.push(None, because, task);
+    }
+
+    fn timestep_size(&mut self) {
+        let touching = |m: usize| {
+            let pairs = self.scene.contacts.iter().map(|c| c.between);
+            pairs.filter(|pair| pair.contains(&m)).map(|[a, b]| if a == m { b } else { a }).collect()
+        };
+        let (most, because) = match self.scene.run.rates {
+            Rates::Common => (1, ""),
+            Rates::PerMaterial { most } => (most, "run.rates"),
+        };
+        let task = TimestepSize {
+            cfl: self.scene.run.cfl,
+            cell: self.scene.domain.cell,
+            most: f64::from(most),
+            touches: (0..self.scene.materials.len()).map(touching).collect(),
+            rigid: self.rigid.clone(),
+        };
+        self.all(because, task);
     }
 
     fn inverse_cell(&self) -> f64 {

@@ -1,5 +1,5 @@
 use crate::data::labels::{
-    InitialVolume, KirchhoffStress, Mass, StiffnessBound, Time, VelocityGradient, ViscousWork, Volume,
+    InitialVolume, KirchhoffStress, Mass, StiffnessBound, Step, VelocityGradient, ViscousWork, Volume,
 };
 use crate::graph::task::{At, Body};
 use crate::physics::viscosity::Viscosity as Law;
@@ -15,14 +15,14 @@ pub struct Viscosity {
 
 crate::task! { Particles task Viscosity {
     requires old { mass: Mass, initial_volume: InitialVolume }
-    requires new { time: Time, gradient: VelocityGradient, stiffness: StiffnessBound, volume: Volume }
+    requires new { step: Step, gradient: VelocityGradient, stiffness: StiffnessBound, volume: Volume }
     modifies { stress: KirchhoffStress, work: ViscousWork }
 }}
 
 impl Body for Viscosity {
     #[inline(always)]
     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
-        let (dt, cell) = (S::splat(io.time[0].step), S::splat(self.cell));
+        let (dt, cell) = (S::splat(io.step[0].size), S::splat(self.cell));
         let tiny = S::splat(f64::MIN_POSITIVE);
         let scalars = io.mass.iter().zip(io.initial_volume.iter()).zip(io.volume.iter());
         let tiles = io.gradient.iter().zip(io.stiffness.iter()).zip(io.stress.iter_mut());

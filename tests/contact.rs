@@ -6,6 +6,7 @@ use common::{
 };
 use sinew::data::labels::LabelId;
 use sinew::data::nodes::NODES;
+use sinew::data::schedule::Field;
 use sinew::data::workspace::Workspace;
 use sinew::graph::task::{At, Runnable};
 use sinew::input::scene::{Contact as Touch, ContactLaw, Criterion};
@@ -116,7 +117,17 @@ impl Nodes {
 
     fn run(&mut self, task: &Contact, isa: Isa) {
         let origin = Origin { node: [-1.0; 3], lower: [0.0; 3] };
-        let at = At { origin, count: 0, node: [0; 3], present: &self.present };
+        // in the midst of a step of every other material
+        let field = |&material: &u8| Field {
+            material,
+            begins: false,
+            ends: material % 2 == 0,
+            elapsed: 1e-3 * f64::from(material),
+            pending: 1e-3,
+            step: 1e-2,
+        };
+        let fields: Vec<Field> = self.present.iter().map(field).collect();
+        let at = At { origin, count: 0, node: [0; 3], fields: &fields };
         let mut space = Workspace::empty();
         for (label, column) in &mut self.columns {
             space.columns[*label as usize] = column;

@@ -50,6 +50,7 @@ fn scene() -> Scene {
             until: 1.0,
             steps: None,
             cfl: 0.4,
+            rates: Rates::Common,
             smallest_step: 0.0,
             shape: ShapeFunction::Gimp,
             pic: 0.0,

@@ -1,7 +1,7 @@
 //! The table of labels: every quantity that passes between tasks, with home, unit and symbol.
 use super::exact_sum::ExactSum;
 use super::label::{Home, Reduce, labels};
-use super::shared::{Clock, RigidState};
+use super::shared::{Clock, MaterialStep, RigidState};
 use crate::physics::shape::{NodeRows, Stencil};
 use crate::simd::Wide;
 use bytemuck::Pod;
@@ -46,7 +46,8 @@ labels! {
 
     BlockExtent:      Block Max, [Wide; 6], "cells",  "max of +-(base node) over the block, to see who leaves it";
 
-    SignalSpeed:      Material Max, Wide,  "m/s",     "max over p of c + |v|";
+    SignalSpeed:      Material Max, [Wide; 3], "m/s", "max over p of c + |v|, of c, of |v|";
+    Step:             Material, MaterialStep, "s",    "the step of its own that a material is in";
     Fault:            Material First, Wide, "mixed",  "first inadmissible particle: kind, identity, value";
     FirstFailure:     Material First, [Wide; 2], "mixed", "time, identity, place of the first matrix and fiber failure";
     RigidImpulse:     Material Sum, [ExactSum; 7], "N s, N m s, kg", "impulse and torque impulse on a rigid body, mass it touches";
@@ -55,7 +56,7 @@ labels! {
     MaterialMotion:   Material Sum, [ExactSum; 10], "mixed", "m, m v (3), m x (3), m x cross v (3)";
     FailedCount:      Material Sum, [ExactSum; 4], "1", "particles with failed matrix only, fibers only, both, inverted";
 
-    Time:             Global,   Clock,     "s",       "time, step size, and what limits it";
+    Time:             Global,   Clock,     "s",       "time, tick, and what limits it";
     ContactWork:      Global Sum, [ExactSum; 2], "J", "kinetic energy lost in contact: by friction, by impact";
     TransferLoss:     Global Sum, ExactSum, "J",      "kinetic energy that nodes gain and particles do not";
     BoundaryWork:     Global Sum, [ExactSum; 4], "J, N s", "work of boundaries, drives and loads on the matter, and their impulse";

@@ -6,6 +6,7 @@ pub mod labels;
 pub mod nodes;
 pub mod particles;
 pub mod reduction;
+pub mod schedule;
 pub mod shared;
 pub mod view;
 pub mod warehouse;

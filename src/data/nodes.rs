@@ -14,6 +14,11 @@ pub struct NodeBlock {
     pub present: Vec<u8>,
     /// `NodeMotion`: 64 lines a present material.
     pub motion: Vec<Wide>,
+    /// `ContactImpulse`: as `motion`, where contact acts; else empty.
+    pub impulse: Vec<Wide>,
+    /// For each present material, the number of the tick up to which its nodes have been integrated; below any tick
+    /// where they never were.
+    pub until: Vec<f64>,
     /// For each present material, its particle blocks around, in the order of `grid::around`: (patch, position).
     pub around: Vec<[(u32, u32); 27]>,
 }
@@ -23,7 +28,26 @@ impl NodeBlock {
     pub fn new(index: BlockIndex, present: Vec<u8>) -> Self {
         let motion = vec![Wide::default(); NODES * present.len()];
         let around = vec![[NOWHERE; 27]; present.len()];
-        Self { index, present, motion, around }
+        let until = vec![NEVER; present.len()];
+        Self { index, present, motion, impulse: Vec::new(), until, around }
+    }
+
+    /// As `old`, but for other materials: those that stay keep the motion that they have in the middle of a step.
+    pub fn succeed(old: &Self, present: Vec<u8>) -> Self {
+        let mut block = Self::new(old.index, present);
+        if block.present.len() > 1 && !old.impulse.is_empty() {
+            block.impulse = block.motion.clone();
+        }
+        for (to, material) in block.present.iter().enumerate() {
+            let Some(from) = old.present.iter().position(|m| m == material) else { continue };
+            let (to_lines, from_lines) = (to * NODES..(to + 1) * NODES, from * NODES..(from + 1) * NODES);
+            block.until[to] = old.until[from];
+            block.motion[to_lines.clone()].copy_from_slice(&old.motion[from_lines.clone()]);
+            if !block.impulse.is_empty() {
+                block.impulse[to_lines].copy_from_slice(&old.impulse[from_lines]);
+            }
+        }
+        block
     }
 
     /// The motion of a material, or `None` if it does not touch the block.
@@ -32,6 +56,9 @@ impl NodeBlock {
         Some(&self.motion[slot * NODES..(slot + 1) * NODES])
     }
 }
+
+/// Before any tick.
+const NEVER: f64 = -1.0;
 
 /// A neighbor that does not exist.
 pub const NOWHERE: (u32, u32) = (u32::MAX, u32::MAX);

@@ -1,13 +1,13 @@
-//! Values that are the same everywhere: the clock, and the state of rigid bodies.
+//! Values that are the same everywhere: the clock, the steps of materials, and the state of rigid bodies.
 use bytemuck::{Pod, Zeroable};
 
-/// Time and the size of the present step.
+/// Time and the present tick: the step of the fastest material, and a part of the steps of slower ones.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Clock {
-    /// Time at the start of the step [s].
+    /// Time at the start of the tick [s].
     pub time: f64,
-    /// Δt of the present step [s].
+    /// Δt of the tick [s].
     pub step: f64,
     /// Time that no step passes: the end of the run [s].
     pub until: f64,
@@ -15,8 +15,28 @@ pub struct Clock {
     pub limited_by: f64,
     /// The signal speed that limits it [m/s].
     pub speed: f64,
+    /// Number of the tick, from the beginning of the run.
+    pub number: f64,
+    /// Number of the tick with which all materials are together again: the end of the step.
+    pub last: f64,
+    /// Time at that moment [s].
+    pub end: f64,
+}
+
+/// The step of its own that a material is in.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct MaterialStep {
+    /// Time at its start [s].
+    pub time: f64,
+    /// Δt [s]
+    pub size: f64,
+    /// Number of its first tick.
+    pub first: f64,
+    /// Number of the tick after its last one.
+    pub last: f64,
     /// Makes a whole cache line.
-    pub unused: [f64; 3],
+    pub unused: [f64; 4],
 }
 
 /// A rigid body: where it is and how it moves.

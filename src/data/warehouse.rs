@@ -58,6 +58,8 @@ pub struct Warehouse {
     pub shared: Shared,
     /// Whether blocks became occupied since the last [`Warehouse::activate`].
     pub stale: bool,
+    /// Whether materials have rates of their own: one moves while another waits.
+    pub own_rates: bool,
 }
 
 impl Warehouse {
@@ -74,7 +76,7 @@ impl Warehouse {
             nodes.lookup = vec![0; patch.blocks.len()];
         }
         let shared = Shared::new(materials.len());
-        Self { level, decomposition, materials, particles, nodes, shared, stale: true }
+        Self { level, decomposition, materials, particles, nodes, shared, stale: true, own_rates: false }
     }
 
     /// Number of particles.
@@ -121,6 +123,7 @@ impl Warehouse {
         }
         self.activate_nodes();
         self.link();
+        self.mark_near();
         self.stale = false;
     }
 
@@ -140,19 +143,22 @@ impl Warehouse {
         }
         for ((patch, nodes), touched) in self.decomposition.patches.iter().zip(&mut self.nodes).zip(touched) {
             let materials = |bits: u64| (0..64).filter(|m| bits >> m & 1 == 1).collect::<Vec<u8>>();
+            let as_before = |block: &NodeBlock, bits| block.present.iter().fold(0, |b, m| b | 1 << m) == bits;
             // both lists are in x-major order: a block that stays as it was keeps its memory
             let mut old = std::mem::take(&mut nodes.blocks).into_iter().peekable();
             for (index, bits) in patch.blocks.iter().zip(touched).filter(|&(_, bits)| bits != 0) {
                 while old.next_if(|block| block.index < index).is_some() {}
-                let present = materials(bits);
-                let kept = old.next_if(|block| block.index == index && block.present == present);
-                nodes.blocks.push(kept.unwrap_or_else(|| NodeBlock::new(index, present)));
+                nodes.blocks.push(match old.next_if(|block| block.index == index) {
+                    Some(block) if as_before(&block, bits) => block,
+                    Some(block) => NodeBlock::succeed(&block, materials(bits)),
+                    None => NodeBlock::new(index, materials(bits)),
+                });
             }
             fill_lookup(&mut nodes.lookup, patch.blocks, nodes.blocks.iter().map(|b| b.index));
         }
     }
 
-    /// Neighbor tables between particle and node blocks, and which particle blocks are near another material.
+    /// Neighbor tables between particle and node blocks.
     fn link(&mut self) {
         let decomposition = &self.decomposition;
         let locate = |index: BlockIndex| {
@@ -172,27 +178,59 @@ impl Warehouse {
             }
         }
         for particle_patch in particles.iter_mut() {
-            for (material, home) in particle_patch.iter_mut().enumerate() {
-                let contacts = &self.materials[material].contacts;
-                for block in &mut home.blocks {
-                    for (entry, d) in block.around.iter_mut().zip(around()) {
-                        *entry = locate(add(block.index, d))
-                            .map_or(NOWHERE, |(patch, at)| position(patch, nodes[patch].lookup[at]));
-                    }
-                    let touches = |&(patch, at): &(u32, u32)| {
-                        let present = &nodes[patch as usize].blocks[at as usize].present;
-                        present.iter().any(|&other| contacts[other as usize])
-                    };
-                    block.near = block.around.iter().filter(|&&n| n != NOWHERE).any(touches);
+            for block in particle_patch.iter_mut().flat_map(|home| &mut home.blocks) {
+                block.near = false;
+                for (entry, d) in block.around.iter_mut().zip(around()) {
+                    *entry = locate(add(block.index, d))
+                        .map_or(NOWHERE, |(patch, at)| position(patch, nodes[patch].lookup[at]));
                 }
             }
         }
     }
 
+    /// Marks the particle blocks whose particles may share nodes with a contacting material: now, or, where materials
+    /// have rates of their own, before their own step ends.
+    fn mark_near(&mut self) {
+        // two blocks share a node block if they are at most two apart; in a step a particle enters the next one at most
+        let apart = if self.own_rates { 3 } else { 2 };
+        let cube = IndexBox { lower: [-apart; 3], upper: [apart + 1; 3] };
+        let count = |m: usize| self.particles.iter().map(|patch| patch[m].blocks.len()).sum::<usize>();
+        let counts: Vec<usize> = (0..self.materials.len()).map(count).collect();
+        let pairs = (0..counts.len()).flat_map(|a| (0..a).map(move |b| [a, b]));
+        for [a, b] in pairs {
+            if !self.materials[a].contacts[b] {
+                continue;
+            }
+            let (few, many) = if counts[a] <= counts[b] { (a, b) } else { (b, a) };
+            let all = self.particles.iter().flat_map(|patch| &patch[few].blocks).map(|block| block.index);
+            for index in all.collect::<Vec<_>>() {
+                let mut met = false;
+                for offset in cube.iter() {
+                    if let Some(block) = self.find(many, add(index, offset)) {
+                        (block.near, met) = (true, true);
+                    }
+                }
+                if let Some(block) = self.find(few, index) {
+                    block.near |= met;
+                }
+            }
+        }
+    }
+
+    /// A material's block, if it is occupied.
+    fn find(&mut self, material: usize, index: BlockIndex) -> Option<&mut ParticleBlock> {
+        let patch = self.decomposition.owner(index)?;
+        let at = self.decomposition.patches[patch].blocks.offset(index)?;
+        let home = &mut self.particles[patch][material];
+        let position = (home.lookup[at] as usize).checked_sub(1)?;
+        home.blocks.get_mut(position)
+    }
+
     /// Bytes of particle and of node data.
     pub fn bytes(&self) -> (usize, usize) {
         let particles = self.blocks().map(|(_, block)| block.bytes()).sum();
-        let lines: usize = self.nodes.iter().flat_map(|p| &p.blocks).map(|b| b.motion.len()).sum();
+        let blocks = self.nodes.iter().flat_map(|p| &p.blocks);
+        let lines: usize = blocks.map(|b| b.motion.len() + b.impulse.len()).sum();
         (particles, lines * size_of::<Wide>())
     }
 }

@@ -32,14 +32,17 @@ pub struct Left {
     pub mass: f64,
 }
 
-/// Relocates all particles that need it; those outside the level are taken out and returned.
+/// Relocates the particles of the materials that `moved`, where they need it. Returns those outside the level, which are
+/// taken out, and how many particles moved.
 ///
 /// Looks only at blocks whose extent (label `BlockExtent`) says that somebody left. Whether a particle moves
 /// depends on the particle alone, and arrivals are ordered by where they come from: no decomposition shows.
-pub fn relocate(warehouse: &mut Warehouse) -> Vec<Left> {
+pub fn relocate(warehouse: &mut Warehouse, moved: impl Fn(usize) -> bool) -> (Vec<Left>, u64) {
     let (level, mut travelers, mut left) = (warehouse.level, Vec::new(), Vec::new());
+    let mut particles = 0;
     for (patch, homes) in warehouse.particles.iter_mut().enumerate() {
-        for (material, home) in homes.iter_mut().enumerate() {
+        for (material, home) in homes.iter_mut().enumerate().filter(|(material, _)| moved(*material)) {
+            particles += home.blocks.iter().map(|block| block.count as u64).sum::<u64>();
             let data = &warehouse.materials[material];
             for block in home.blocks.iter_mut().filter(|block| somebody_left(&level, data, block)) {
                 depart(&level, data, (patch, material), block, &mut travelers, &mut left);
@@ -54,7 +57,7 @@ pub fn relocate(warehouse: &mut Warehouse) -> Vec<Left> {
         }
     }
     left.sort_by_key(|l| l.identity);
-    left
+    (left, particles)
 }
 
 /// Whether the coordinate y (base node before rounding down) is out of reach of the block on some axis; particles

@@ -2,6 +2,7 @@
 use crate::data::label::Home;
 use crate::data::labels::{LABELS, LabelId};
 use crate::data::nodes::NODES;
+use crate::data::schedule::Field;
 use crate::data::warehouse::Shared;
 use crate::physics::shape::{BUFFER, GROUP};
 use crate::simd::Wide;
@@ -18,6 +19,8 @@ pub struct Scratch {
     widths: [usize; LABELS],
     /// Contributions to shared labels, and copies of those that are read.
     pub shared: Shared,
+    /// Memory for the materials at a block's nodes.
+    pub fields: Vec<Field>,
 }
 
 impl Scratch {
@@ -31,7 +34,7 @@ impl Scratch {
                 _ => 0,
             }
         });
-        Self { lines: vec![Wide::default(); widths.iter().sum()], widths, shared: shared.clone() }
+        Self { lines: vec![Wide::default(); widths.iter().sum()], widths, shared: shared.clone(), fields: Vec::new() }
     }
 
     /// A column a label, and the shared labels.

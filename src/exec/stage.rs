@@ -7,6 +7,7 @@ use crate::data::labels::{LABELS, LabelId};
 use crate::data::nodes::{NODES, NodeBlock};
 use crate::data::particles::ParticleBlock;
 use crate::data::reduction;
+use crate::data::schedule::{Field, Schedule};
 use crate::data::warehouse::{MaterialData, NodePatch, ParticlePatch, Shared};
 use crate::data::workspace::Workspace;
 use crate::graph::fuse::Stage;
@@ -30,6 +31,8 @@ pub struct Context<'a> {
     pub level: &'a Level,
     /// The materials.
     pub materials: &'a [MaterialData],
+    /// Who acts.
+    pub schedule: &'a Schedule,
 }
 
 impl Context<'_> {
@@ -39,7 +42,7 @@ impl Context<'_> {
             node: node.map(|n| f64::from(n - BELOW)),
             lower: self.level.lower.map(|x| x / self.level.cell),
         };
-        At { origin, count: 0, node, present: &[] }
+        At { origin, count: 0, node, fields: &[] }
     }
 
     /// A span a task: at level TRACE, because a task runs for microseconds.
@@ -125,6 +128,9 @@ pub fn update_nodes(
     scratch: &mut Scratch,
     block: &mut NodeBlock,
 ) {
+    let mut fields = std::mem::take(&mut scratch.fields);
+    fields.clear();
+    fields.extend(fields_of(context.schedule, block));
     let (mut columns, shared) = scratch.split();
     let lines = NODES * block.present.len();
     for (label, which) in SCATTERED {
@@ -143,15 +149,26 @@ pub fn update_nodes(
         columns[label as usize] = column;
     }
     columns[LabelId::NodeMotion as usize] = &mut block.motion;
+    if stage.touches(LabelId::ContactImpulse, Mode::writes) && block.present.len() > 1 {
+        block.impulse.resize(lines, Wide::default());
+    }
+    columns[LabelId::ContactImpulse as usize] = &mut block.impulse;
     lend_shared(&mut columns, shared, None);
     let mut space = Workspace { columns, ..Workspace::empty() };
     let mut at = context.at(block.index);
-    at.present = &block.present;
+    at.fields = &fields;
     let traced = tracing::enabled!(tracing::Level::TRACE);
     for &entry in &stage.entries {
         let _span = traced.then(|| context.span(entry).entered());
         context.task(entry).run_on(context.isa, &at, &mut space);
     }
+    scratch.fields = fields;
+}
+
+/// The materials at a block's nodes, in this tick.
+fn fields_of<'a>(schedule: &'a Schedule, block: &'a NodeBlock) -> impl Iterator<Item = Field> + 'a {
+    let fields = block.present.iter().zip(&block.until);
+    fields.map(|(&material, &until)| schedule.field(material, until))
 }
 
 /// Runs a stage that has no place.

@@ -2,16 +2,16 @@
 use super::Executor;
 use super::scratch::Scratch;
 use super::stage::{self, Context};
-use crate::data::label::{Home, Reduce};
-use crate::data::labels::LabelId;
+use crate::data::label::Home;
+use crate::data::nodes::NodeBlock;
 use crate::data::particles::ParticleBlock;
 use crate::data::reduction;
+use crate::data::schedule::Schedule;
 use crate::data::warehouse::{ParticlePatch, Shared, Warehouse};
 use crate::graph::build::TaskGraph;
-use crate::graph::fuse::{Phase, Stage};
-use crate::graph::task::{Domain, Mode};
+use crate::graph::fuse::{Phase, Stage, When};
+use crate::graph::task::Domain;
 use crate::simd::Isa;
-use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 /// Runs graphs with an executor. Keeps what workers need between steps.
@@ -19,6 +19,10 @@ pub struct Engine<E> {
     executor: E,
     isa: Isa,
     scratch: Vec<Mutex<Scratch>>,
+    schedule: Schedule,
+    /// Memory of the lists of blocks of a phase, empty between phases.
+    particle_items: Vec<Item<'static>>,
+    node_items: Vec<&'static mut NodeBlock>,
 }
 
 impl<E: Executor> Engine<E> {
@@ -26,7 +30,8 @@ impl<E: Executor> Engine<E> {
     pub fn new(executor: E, isa: Isa, warehouse: &Warehouse) -> Self {
         let scratch = || Mutex::new(Scratch::new(warehouse.materials.len(), &warehouse.shared));
         let scratch = (0..executor.workers()).map(|_| scratch()).collect();
-        Self { executor, isa, scratch }
+        let schedule = Schedule::everyone(warehouse.materials.len());
+        Self { executor, isa, scratch, schedule, particle_items: Vec::new(), node_items: Vec::new() }
     }
 
     /// Instruction set that tasks run on.
@@ -39,113 +44,135 @@ impl<E: Executor> Engine<E> {
         self.executor.workers()
     }
 
-    /// Runs `graph` once.
-    pub fn run(&self, graph: &TaskGraph, warehouse: &mut Warehouse) {
+    /// Runs `graph` once: a tick. A task that computes the label `Step` decides which materials act in the rest of it;
+    /// without one, all do.
+    pub fn run(&mut self, graph: &TaskGraph, warehouse: &mut Warehouse) {
         if warehouse.stale {
             warehouse.activate();
         }
-        let mut begun = BTreeSet::new();
+        self.schedule.reset();
         for phase in &graph.phases {
             let names = || phase.stages.iter().flat_map(|s| &s.nodes).map(|&n| graph.graph[n].name.as_str());
             let span = tracing::debug_span!("phase", tasks = tracing::field::Empty);
             if !span.is_disabled() {
                 span.record("tasks", names().collect::<Vec<_>>().join(" "));
             }
-            span.in_scope(|| self.phase(graph, phase, warehouse, &mut begun));
+            span.in_scope(|| self.phase(graph, phase, warehouse));
+            if phase.decides {
+                self.schedule.read(&warehouse.shared);
+            }
         }
     }
 
-    fn phase(
-        &self,
-        graph: &TaskGraph,
-        phase: &Phase,
-        warehouse: &mut Warehouse,
-        begun: &mut BTreeSet<LabelId>,
-    ) {
+    /// Whether a step of the material ended with the last tick.
+    pub fn ended(&self, material: usize) -> bool {
+        self.schedule.ends(material)
+    }
+
+    fn phase(&mut self, graph: &TaskGraph, phase: &Phase, warehouse: &mut Warehouse) {
         let Warehouse { level, materials, particles, nodes, shared, .. } = warehouse;
-        let context = Context { isa: self.isa, recipe: &graph.recipe, level, materials };
+        let Self { executor, isa, scratch, schedule, .. } = self;
+        let context = Context { isa: *isa, recipe: &graph.recipe, level, materials, schedule };
+        begin(phase, schedule, shared);
         let first = phase.stages.first();
         if let Some(stage) = first.filter(|s| s.domain == Domain::Once) {
-            begin(phase, shared, begun);
             return stage::once(&context, stage, shared);
         }
-        self.lend(phase, shared);
-        let scratch = |worker: usize| self.scratch[worker].lock().unwrap_or_else(PoisonError::into_inner);
+        lend(phase, scratch, shared);
+        let scratch_of = |worker: usize| scratch[worker].lock().unwrap_or_else(PoisonError::into_inner);
         match first.filter(|s| s.domain == Domain::Nodes) {
             Some(stage) => {
-                let mut items: Vec<_> = nodes.iter_mut().flat_map(|patch| &mut patch.blocks).collect();
-                self.executor.each(&mut items, |worker, block| {
-                    stage::update_nodes(&context, stage, particles, &mut scratch(worker), block);
+                let blocks = nodes.iter_mut().flat_map(|patch| &mut patch.blocks);
+                let mut items = recycle(std::mem::take(&mut self.node_items));
+                items.extend(blocks.filter(|block| schedule.wakes(&block.present)));
+                executor.each(&mut items, |worker, block| {
+                    stage::update_nodes(&context, stage, particles, &mut scratch_of(worker), block);
+                    if phase.settles {
+                        block.until.fill(schedule.next());
+                    }
                 });
+                self.node_items = recycle(items);
             }
             None => {
-                let mut items = sweep_items(phase, particles);
-                self.executor.each(&mut items, |worker, (stage, block)| {
-                    stage::sweep(&context, stage, nodes, &mut scratch(worker), block);
+                let mut items = recycle(std::mem::take(&mut self.particle_items));
+                sweep_items(phase, schedule, particles, &mut items);
+                executor.each(&mut items, |worker, (stage, block)| {
+                    stage::sweep(&context, &phase.stages[*stage], nodes, &mut scratch_of(worker), block);
                 });
+                self.particle_items = recycle(items);
             }
         }
-        self.collect(phase, shared, begun);
+        collect(phase, scratch, shared);
     }
+}
 
-    /// Gives every worker the shared labels that the phase reads, and nothing yet of those that it reduces.
-    fn lend(&self, phase: &Phase, shared: &Shared) {
-        for scratch in &self.scratch {
-            let mut scratch = scratch.lock().unwrap_or_else(PoisonError::into_inner);
-            for (label, reduces) in shared_labels(phase) {
-                let copy = scratch.shared.column_mut(label);
-                match reduces {
-                    true => reduction::clear(label.reduce(), copy),
-                    false => copy.copy_from_slice(shared.column(label)),
-                }
-            }
-        }
-    }
-
-    /// Adds up what the workers reduced.
-    fn collect(&self, phase: &Phase, shared: &mut Shared, begun: &mut BTreeSet<LabelId>) {
-        begin(phase, shared, begun);
-        for (label, _) in shared_labels(phase).into_iter().filter(|&(_, reduces)| reduces) {
-            let total = shared.column_mut(label);
-            for scratch in &self.scratch {
-                let scratch = scratch.lock().unwrap_or_else(PoisonError::into_inner);
-                reduction::merge(label.reduce(), total, scratch.shared.column(label));
+/// Gives every worker the shared labels that the phase reads, and nothing yet of those that it reduces.
+fn lend(phase: &Phase, scratch: &[Mutex<Scratch>], shared: &Shared) {
+    for scratch in scratch {
+        let mut scratch = scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        for &(label, reduces) in &phase.shared {
+            let copy = scratch.shared.column_mut(label);
+            match reduces {
+                true => reduction::clear(label.reduce(), copy),
+                false => copy.copy_from_slice(shared.column(label)),
             }
         }
     }
 }
 
-/// The first phase of a step that reduces a label starts it afresh.
-fn begin(phase: &Phase, shared: &mut Shared, begun: &mut BTreeSet<LabelId>) {
-    for (label, _) in shared_labels(phase).into_iter().filter(|&(_, reduces)| reduces) {
-        if begun.insert(label) {
-            reduction::clear(label.reduce(), shared.column_mut(label));
+/// Adds up what the workers reduced.
+fn collect(phase: &Phase, scratch: &[Mutex<Scratch>], shared: &mut Shared) {
+    for &(label, _) in phase.shared.iter().filter(|(_, reduces)| *reduces) {
+        let total = shared.column_mut(label);
+        for scratch in scratch {
+            let scratch = scratch.lock().unwrap_or_else(PoisonError::into_inner);
+            reduction::merge(label.reduce(), total, scratch.shared.column(label));
         }
     }
 }
 
-/// The blocks of the phase's materials, with their stages.
+/// The first phase of a tick that reduces a label starts it afresh; what is kept for each material, only for those
+/// whose step ends.
+fn begin(phase: &Phase, schedule: &Schedule, shared: &mut Shared) {
+    for &label in &phase.afresh {
+        let column = shared.column_mut(label);
+        match label.home() {
+            Home::Material => {
+                let tiles = column.chunks_exact_mut(label.width()).enumerate();
+                let ending = tiles.filter(|(material, _)| schedule.ends(*material));
+                ending.for_each(|(_, tile)| reduction::clear(label.reduce(), tile));
+            }
+            _ => reduction::clear(label.reduce(), column),
+        }
+    }
+}
+
+/// A block, with the place of its stage in the phase.
+type Item<'a> = (usize, &'a mut ParticleBlock);
+
+/// The blocks of the materials that act in a phase.
 fn sweep_items<'a>(
-    phase: &'a Phase,
+    phase: &Phase,
+    schedule: &Schedule,
     particles: &'a mut [Vec<ParticlePatch>],
-) -> Vec<(&'a Stage, &'a mut ParticleBlock)> {
-    let stage_of = |material: usize| phase.stages.iter().find(|s| s.material == Some(material));
-    particles
-        .iter_mut()
-        .flat_map(|patch| patch.iter_mut().enumerate())
-        .filter_map(|(material, home)| Some((stage_of(material)?, home)))
-        .flat_map(|(stage, home)| home.blocks.iter_mut().map(move |block| (stage, block)))
-        .collect()
+    items: &mut Vec<Item<'a>>,
+) {
+    let acts = |stage: &Stage, material: usize| {
+        stage.material == Some(material)
+            && match stage.when {
+                When::Begin => schedule.begins(material),
+                When::End => schedule.ends(material),
+            }
+    };
+    for (material, home) in particles.iter_mut().flat_map(|patch| patch.iter_mut().enumerate()) {
+        if let Some(stage) = phase.stages.iter().position(|stage| acts(stage, material)) {
+            items.extend(home.blocks.iter_mut().map(|block| (stage, block)));
+        }
+    }
 }
 
-/// Labels of home `Material` and `Global` that a phase touches, and whether it reduces them.
-fn shared_labels(phase: &Phase) -> Vec<(LabelId, bool)> {
-    let touched = phase.stages.iter().flat_map(|s| &s.touched);
-    let mut labels: Vec<_> = touched
-        .filter(|a| matches!(a.label.home(), Home::Material | Home::Global))
-        .map(|a| (a.label, a.mode == Mode::Computes && a.label.reduce() != Reduce::No))
-        .collect();
-    labels.sort();
-    labels.dedup();
-    labels
+/// An empty list that takes over the memory of another: no allocation a step.
+fn recycle<T, U>(mut list: Vec<T>) -> Vec<U> {
+    list.clear();
+    list.into_iter().map(|_| unreachable!("the list is empty")).collect()
 }

@@ -5,11 +5,12 @@
 use super::error::GraphError;
 use super::recipe::{Graph, Recipe, Why, everywhere, over_particles};
 use super::task::{Access, Domain, Mode};
-use crate::data::label::Home;
+use crate::data::label::{Home, Reduce};
 use crate::data::labels::LabelId;
 use petgraph::Direction;
 use petgraph::stable_graph::NodeIndex;
 use petgraph::visit::EdgeRef;
+use std::collections::BTreeSet;
 
 /// Tasks that run together.
 #[derive(Clone, Debug)]
@@ -24,6 +25,17 @@ pub struct Stage {
     pub nodes: Vec<NodeIndex>,
     /// Labels touched, each once, with the strongest access.
     pub touched: Vec<Access>,
+    /// At which end of a material's own step they run (particle stages).
+    pub when: When,
+}
+
+/// When in the step of a material a stage runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// When it begins: what particles give to the nodes.
+    Begin,
+    /// When it ends: what they take from them.
+    End,
 }
 
 impl Stage {
@@ -38,6 +50,29 @@ impl Stage {
 pub struct Phase {
     /// The stages: several only if all run over particles, of different materials.
     pub stages: Vec<Stage>,
+    /// Labels of home `Material` and `Global` that they touch, and whether they reduce them.
+    pub shared: Vec<(LabelId, bool)>,
+    /// Labels of those that no earlier phase reduces.
+    pub afresh: Vec<LabelId>,
+    /// Whether it decides which materials act in the phases that follow.
+    pub decides: bool,
+    /// Whether it is the last one over nodes: they have gone through the tick then.
+    pub settles: bool,
+}
+
+impl Phase {
+    /// Fills in what follows from the stages; `begun` are the labels that earlier phases reduce.
+    fn complete(&mut self, begun: &mut BTreeSet<LabelId>) {
+        let touched = self.stages.iter().flat_map(|s| &s.touched);
+        let shared: BTreeSet<_> = touched
+            .filter(|a| matches!(a.label.home(), Home::Material | Home::Global))
+            .map(|a| (a.label, a.mode == Mode::Computes && a.label.reduce() != Reduce::No))
+            .collect();
+        self.shared = shared.into_iter().collect();
+        let reduced = self.shared.iter().filter(|(_, reduces)| *reduces).map(|&(label, _)| label);
+        self.afresh = reduced.filter(|&label| begun.insert(label)).collect();
+        self.decides = self.stages.iter().any(|s| s.touches(LabelId::Step, Mode::writes));
+    }
 }
 
 /// Stages and phases of a pruned graph.
@@ -56,15 +91,24 @@ pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> Result<Vec<Phase>
                 && !needs_all_blocks(graph, node, s)
         });
         if !joins {
-            stages.push(Stage { domain, material, entries: vec![], nodes: vec![], touched: vec![] });
+            let when = When::End;
+            stages.push(Stage { domain, material, entries: vec![], nodes: vec![], touched: vec![], when });
         }
         let Some(stage) = stages.last_mut() else { continue };
         stage.entries.push(entry);
         stage.nodes.push(node);
         graph[node].declaration.access.iter().for_each(|&access| merge(&mut stage.touched, access));
+        if domain == Domain::Particles && gives(graph[node].declaration.access) {
+            stage.when = When::Begin;
+        }
         check_chunk_labels(graph, node, stage, patches)?;
     }
     Ok(group(graph, stages))
+}
+
+/// Whether a task over particles adds to nodes.
+fn gives(access: &[Access]) -> bool {
+    access.iter().any(|a| a.label.home() == Home::Node && a.mode.writes())
 }
 
 /// Whether `node` depends on something that is complete only when `stage` has run on all blocks.
@@ -113,8 +157,14 @@ fn group(graph: &Graph, stages: Vec<Stage>) -> Vec<Phase> {
             Some(phase) if stage.domain == Domain::Particles && phase.stages.iter().all(independent) => {
                 phase.stages.push(stage);
             }
-            _ => phases.push(Phase { stages: vec![stage] }),
+            _ => phases.push(Phase { stages: vec![stage], ..Phase::default() }),
         }
+    }
+    let mut begun = BTreeSet::new();
+    phases.iter_mut().for_each(|phase| phase.complete(&mut begun));
+    let over_nodes = |phase: &&mut Phase| phase.stages.iter().any(|s| s.domain == Domain::Nodes);
+    if let Some(last) = phases.iter_mut().rfind(over_nodes) {
+        last.settles = true;
     }
     phases
 }

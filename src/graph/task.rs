@@ -1,5 +1,6 @@
 //! What a task is: a declaration, an `Io` made from it, and a body that sees only the `Io`.
 use crate::data::labels::LabelId;
+use crate::data::schedule::Field;
 use crate::data::workspace::Workspace;
 use crate::physics::shape::Origin;
 use crate::simd::{Isa, Job, Simd};
@@ -64,7 +65,7 @@ pub struct At<'a> {
     /// The block's first node, in nodes of the level.
     pub node: [i32; 3],
     /// For node tasks: the materials whose nodes follow one another in each column, 64 lines each.
-    pub present: &'a [u8],
+    pub fields: &'a [Field],
 }
 
 impl At<'_> {

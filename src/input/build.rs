@@ -245,6 +245,10 @@ fn run(given: &Node) -> Run {
         until: given.get("until").number(),
         steps: given.find("steps").map(Node::count),
         cfl: given.get("cfl").number(),
+        rates: match given.get("rates").word() {
+            "per-material" => Rates::PerMaterial { most: given.get("most-substeps").count() },
+            _ => Rates::Common,
+        },
         smallest_step: given.get("smallest-step").number(),
         shape: match given.get("shape").word() {
             "linear" => ShapeFunction::Linear,

@@ -242,6 +242,19 @@ static RUN: &[Field] = &[
         wave may cross in a step.",
     ),
     Field::with_default(
+        "rates",
+        Form::Choice(&["common", "per-material"]),
+        Absent::Word("common"),
+        "\"common\": all materials take the time step that the fastest one needs; \"per-material\": each takes steps \
+        of its own, and slow materials wait for fast ones.",
+    ),
+    Field::with_default(
+        "most-substeps",
+        Form::Count(Counts { least: 1, most: 1 << 20 }),
+        Absent::Count(256),
+        "The most steps of the fastest material in one of the slowest (per-material rates; 1 gives the common step).",
+    ),
+    Field::with_default(
         "smallest-step",
         positive(Time),
         Absent::Number(1e-15),

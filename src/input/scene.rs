@@ -202,6 +202,18 @@ pub enum ShapeFunction {
     Gimp,
 }
 
+/// Who takes which time steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rates {
+    /// All materials take the step that the fastest one needs.
+    Common,
+    /// Each material takes steps of its own.
+    PerMaterial {
+        /// The most steps of the fastest material in one of the slowest.
+        most: u32,
+    },
+}
+
 /// What happens to a particle that leaves the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leaving {
@@ -220,6 +232,8 @@ pub struct Run {
     pub steps: Option<u64>,
     /// CFL number.
     pub cfl: f64,
+    /// Who takes which steps.
+    pub rates: Rates,
     /// A step below this [s] ends the run with an error.
     pub smallest_step: f64,
     /// Shape functions.

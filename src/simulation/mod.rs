@@ -13,12 +13,12 @@ pub use snapshot::Snapshot;
 use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
-use crate::exec::relocate::{self, Left};
+use crate::exec::relocate;
 use crate::exec::{Engine, Executor, Serial, Threads};
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
 use crate::grid::{Decomposition, Level};
-use crate::input::scene::{Behavior, Leaving, Scene};
+use crate::input::scene::{Behavior, Leaving, Rates, Scene};
 use crate::simd::Isa;
 use crate::tasks::timestep;
 
@@ -77,6 +77,7 @@ pub struct Simulation {
     engine: Engine<Workers>,
     ledger: Ledger,
     steps: u64,
+    updates: u64,
 }
 
 impl Simulation {
@@ -94,23 +95,25 @@ impl Simulation {
         let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
         let start = TaskGraph::build(timestep::start(&scene), WANTED, patches)?;
 
-        let warehouse = populate::populate(&scene, level, decomposition, &graph)?;
+        let mut warehouse = populate::populate(&scene, level, decomposition, &graph)?;
+        warehouse.own_rates = scene.run.rates != Rates::Common;
         let workers = match threads {
             1 => Workers::Serial(Serial),
             n => Workers::Threads(Threads::new(n)?),
         };
         let engine = Engine::new(workers, isa, &warehouse);
         let ledger = Ledger::default();
-        let mut simulation = Self { scene, warehouse, graph, report_graph, engine, ledger, steps: 0 };
+        let mut simulation = Self { scene, warehouse, graph, report_graph, engine, ledger, steps: 0, updates: 0 };
         simulation.engine.run(&start, &mut simulation.warehouse);
         simulation.check_faults()?;
         simulation.relocate()?;
+        simulation.updates = 0;
         let report = simulation.report();
         simulation.ledger.begin(&report);
         Ok(simulation)
     }
 
-    /// Takes one step; returns false when the end of the run was reached before.
+    /// Takes one step, after which all materials are together; returns false when the end of the run was reached before.
     ///
     /// # Errors
     /// An inadmissible particle, a collapsed step, a particle that left where the scene forbids it.
@@ -118,16 +121,25 @@ impl Simulation {
         if self.finished() {
             return Ok(false);
         }
+        self.tick()?;
+        while self.clock().number < self.clock().last {
+            self.tick()?;
+        }
+        self.steps += 1;
+        Ok(true)
+    }
+
+    /// The part of a step that the fastest material takes at once.
+    fn tick(&mut self) -> Result<(), RunError> {
         self.engine.run(&self.graph, &mut self.warehouse);
         let mut clock = self.clock();
         self.check_step(&clock)?;
         self.check_faults()?;
-        clock.time = if clock.limited_by < 0.0 { clock.until } else { clock.time + clock.step };
+        clock.number += 1.0;
+        clock.time = if clock.number < clock.last { clock.time + clock.step } else { clock.end };
         self.warehouse.shared.set(LabelId::Time, 0, clock);
-        self.steps += 1;
         self.ledger.add_step(&self.warehouse.shared);
-        self.relocate()?;
-        Ok(true)
+        self.relocate()
     }
 
     /// Whether the end of the run is reached.
@@ -139,6 +151,16 @@ impl Simulation {
     /// Time and step size.
     pub fn clock(&self) -> Clock {
         self.warehouse.shared.get(LabelId::Time, 0)
+    }
+
+    /// Particles moved so far, counted once each time.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Ticks taken: steps of the fastest material.
+    pub fn ticks(&self) -> u64 {
+        self.clock().number as u64
     }
 
     /// Steps taken.
@@ -173,7 +195,9 @@ impl Simulation {
     }
 
     fn relocate(&mut self) -> Result<(), RunError> {
-        let left: Vec<Left> = relocate::relocate(&mut self.warehouse);
+        let moved = |material: usize| self.engine.ended(material);
+        let (left, particles) = relocate::relocate(&mut self.warehouse, moved);
+        self.updates += particles;
         let Some(first) = left.first() else { return Ok(()) };
         if self.scene.run.leaving == Leaving::Error {
             return Err(fault::left(&self.scene, first, left.len(), self.clock().time));

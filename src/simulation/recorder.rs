@@ -18,8 +18,6 @@ pub struct Recorder {
     began: Instant,
     /// Seconds spent on output.
     pub output_s: f64,
-    /// Sum over steps of the number of particles.
-    pub updates: u64,
 }
 
 /// The files that make a folder a run's.
@@ -48,7 +46,7 @@ impl Recorder {
             _ => Some(vtkhdf::Writer::create(&folder.join("particles.vtkhdf"))?),
         };
         let (folder, began) = (folder.to_owned(), Instant::now());
-        let mut recorder = Self { folder, history, particles, frames: 0, began, output_s: 0.0, updates: 0 };
+        let mut recorder = Self { folder, history, particles, frames: 0, began, output_s: 0.0 };
         recorder.row(simulation)?;
         recorder.frame(simulation)?;
         Ok(recorder)
@@ -59,7 +57,6 @@ impl Recorder {
     /// # Errors
     /// If a file cannot be written.
     pub fn step(&mut self, simulation: &mut Simulation) -> output::Result<()> {
-        self.updates += simulation.warehouse.particle_count() as u64;
         let finished = simulation.finished();
         if finished || simulation.steps().is_multiple_of(simulation.scene.output.history_every.max(1)) {
             self.row(simulation)?;
@@ -103,7 +100,7 @@ impl Recorder {
             writer.close()?;
         }
         let wall = self.began.elapsed().as_secs_f64();
-        let summary = summarize(simulation, wall, wall - self.output_s, self.updates, error);
+        let summary = summarize(simulation, wall, wall - self.output_s, error);
         summary.write(&self.folder.join("summary.json"))?;
         Ok(summary)
     }
@@ -173,12 +170,11 @@ fn summarize(
     simulation: &mut Simulation,
     wall_s: f64,
     stepping_s: f64,
-    updates: u64,
     error: Option<String>,
 ) -> Summary {
     let report = simulation.report();
     let energy = report.energy();
-    let rate = updates as f64 / stepping_s.max(f64::MIN_POSITIVE);
+    let rate = simulation.updates() as f64 / stepping_s.max(f64::MIN_POSITIVE);
     let total = |part: fn(&MaterialReport) -> [f64; 3]| {
         report.materials.iter().map(part).fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
     };
@@ -188,6 +184,8 @@ fn summarize(
         ("memory_bytes", serde_json::json!({ "particles": particle_bytes, "nodes": node_bytes })),
         ("deleted_j", report.deleted_energy.into()),
         ("stepping_s", stepping_s.into()),
+        ("ticks", simulation.ticks().into()),
+        ("updates", simulation.updates().into()),
     ];
     Summary {
         status: if error.is_some() { Status::Failed } else { Status::Completed },

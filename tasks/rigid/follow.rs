@@ -37,7 +37,9 @@ impl Body for Follow {
                     extent[a + 3].0[lane] = extent[a + 3].0[lane].max(-y);
                 }
                 let speed = velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
-                io.speed[0].0[lane] = io.speed[0].0[lane].max(speed);
+                for (largest, speed) in io.speed[0].iter_mut().zip([speed, 0.0, speed]) {
+                    largest.0[lane] = largest.0[lane].max(speed);
+                }
             }
         }
     }

@@ -20,9 +20,9 @@ crate::task! { Nodes task RigidVelocity {
 impl Body for RigidVelocity {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let fields = io.motion.chunks_exact_mut(NODES).zip(at.present);
-        for (motions, &material) in fields.filter(|(_, m)| self.rigid[**m as usize]) {
-            let body = &io.bodies[material as usize];
+        let fields = io.motion.chunks_exact_mut(NODES).zip(at.fields);
+        for (motions, field) in fields.filter(|(_, f)| self.rigid[f.material as usize]) {
+            let body = &io.bodies[field.material as usize];
             for (n, motion) in motions.iter_mut().enumerate() {
                 let [x, y, z] = body.velocity_at(self.lattice.node(at.node, n));
                 *motion = Wide([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]);

@@ -41,8 +41,8 @@ impl Progress {
         Self { bar, quiet, began: now, shown: now, next_line: 0.05 }
     }
 
-    /// After a step; `updates`: particle updates so far.
-    pub fn step(&mut self, simulation: &Simulation, updates: u64) {
+    /// After a step.
+    pub fn step(&mut self, simulation: &Simulation) {
         if self.quiet {
             return;
         }
@@ -64,7 +64,7 @@ impl Progress {
             simulation.steps(),
             1e3 * clock.time,
             1e9 * clock.step,
-            updates as f64 / spent / 1e6,
+            simulation.updates() as f64 / spent / 1e6,
             duration(left)
         );
         match &self.bar {

@@ -105,7 +105,7 @@ fn march(
 ) -> Result<(), String> {
     while simulation.step().map_err(|error| error.to_string())? {
         recorder.step(simulation).map_err(|error| error.to_string())?;
-        progress.step(simulation, recorder.updates);
+        progress.step(simulation);
     }
     Ok(())
 }
