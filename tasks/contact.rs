@@ -61,6 +61,9 @@ impl Side<'_> {
     fn mass(&self) -> f64 {
         self.sums.0[0]
     }
+    fn volume(&self) -> f64 {
+        self.sums.0[7]
+    }
     /// Σ V ∇S: points out of the material.
     fn outward(&self) -> [f64; 3] {
         std::array::from_fn(|a| if self.mirrored[a] { 0.0 } else { self.surface.0[4 + a] })
@@ -158,9 +161,10 @@ impl Contact {
     /// Gap between the surfaces near the node [cells], along the mean of the two unit normals: where edges of two bodies
     /// lie in one plane, a normal weighted by what is there leans out of it, and takes sides for surfaces that touch.
     fn gap(&self, a: &Side<'_>, b: &Side<'_>, node: [f64; 3]) -> f64 {
-        let unit = |g: [f64; 3]| g.map(|x| x / dot(g, g).sqrt().max(f64::MIN_POSITIVE));
-        let (from, to) = (unit(a.outward()), unit(b.outward()));
-        let mean = unit(std::array::from_fn(|i| from[i] - to[i]));
+        // in the midst of a body Σ V ∇S is rounding, and has no direction
+        let least = |side: &Side<'_>| 1e-9 * side.volume() / self.lattice.cell;
+        let (from, to) = (unit(a.outward(), least(a)), unit(b.outward(), least(b)));
+        let mean = unit(std::array::from_fn(|i| from[i] - to[i]), 0.0);
         self.before_surface(a, node, mean) + self.before_surface(b, node, mean.map(|n| -n))
     }
 
@@ -200,6 +204,12 @@ impl Contact {
             [true, true] => None,
         }
     }
+}
+
+/// g/|g|, or zero where |g| is not above `least`.
+fn unit(g: [f64; 3], least: f64) -> [f64; 3] {
+    let length = dot(g, g).sqrt();
+    if length > least { g.map(|x| x / length) } else { [0.0; 3] }
 }
 
 /// Adds an impulse at a node to what a rigid body receives: impulse, torque about its center, mass touched.

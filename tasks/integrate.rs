@@ -3,9 +3,8 @@ use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};
 use crate::simd::{Simd, Wide};
 
-/// v_I ← v_I + Δt f_I / m_I : symplectic Euler on the nodes. Where a material waits for a faster one, Δt is the part of
-/// its step that has passed since, so that its velocity is v⁰ + s Δt a + C in the midst of its step, with C what contact
-/// did so far.
+/// v_I ← v_I + Δt f_I / m_I over the tick: symplectic Euler on the nodes. Where a material waits for a faster one its
+/// velocity is v⁰ + s Δt a + C after s ticks, with C what contact did so far.
 pub struct Integrate {
     /// Mass below which a node carries nothing [kg].
     pub least_mass: f64,
@@ -21,14 +20,19 @@ impl Body for Integrate {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
         for ((sums, motions), field) in fields {
-            for (sum, motion) in sums.iter().zip(motions) {
-                let mass = sum.0[0];
-                let factor = if mass > self.least_mass { field.pending / mass } else { 0.0 };
-                // f both in the velocity and in its change
-                let force = S::load(sum).momentum_to_low().swap_halves();
-                (S::load(motion) + S::splat(factor) * S::join_low(force, force)).store(motion);
-            }
+            integrate::<S>(sums, motions, field.tick, self.least_mass);
         }
+    }
+}
+
+/// v_I ← v_I + Δt f_I / m_I
+#[inline(always)]
+pub fn integrate<S: Simd>(sums: &[Wide], motions: &mut [Wide], dt: f64, least_mass: f64) {
+    for (sum, motion) in sums.iter().zip(motions) {
+        let factor = if sum.0[0] > least_mass { dt / sum.0[0] } else { 0.0 };
+        // f both in the velocity and in its change
+        let force = S::load(sum).momentum_to_low().swap_halves();
+        (S::load(motion) + S::splat(factor) * S::join_low(force, force)).store(motion);
     }
 }
 

@@ -44,7 +44,7 @@ impl Body for Loads {
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
         for ((sums, motions), field) in fields.filter(|(_, f)| !self.rigid[f.material as usize]) {
             for (_, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.0[0] > self.least_mass) {
-                let dv = self.field.change(motion, field.pending);
+                let dv = self.field.change(motion, field.missed + field.tick);
                 change(motion, dv);
             }
         }

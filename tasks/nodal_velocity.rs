@@ -1,31 +1,43 @@
-use crate::data::labels::{NodeMotion, NodeSums};
+use super::integrate::integrate;
+use crate::data::labels::{NodeMotion, NodeSums, Step};
 use crate::data::nodes::NODES;
 use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::simd::{Simd, Wide};
 
-/// v_I = (mv)_I / m_I, no change yet, where a step begins. Nodes below `least_mass` rest.
+/// v_I = (mv)_I / m_I, no change yet, where a step begins. Nodes below `least_mass` rest. Where a material waited, and
+/// nobody asked for its nodes, they are brought to the beginning of the tick: v_I + Δt f_I / m_I over the ticks missed.
 pub struct NodalVelocity {
     /// Mass below which a node carries nothing [kg].
     pub least_mass: f64,
 }
 
 crate::task! { Nodes task NodalVelocity {
-    requires new { sums: NodeSums }
-    computes { motion: NodeMotion }
+    requires new { step: Step, sums: NodeSums }
+    modifies { motion: NodeMotion }
 }}
 
 impl Body for NodalVelocity {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let zero = S::splat(0.0);
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
-        for ((sums, motions), _) in fields.filter(|(_, field)| field.begins) {
-            for (sum, motion) in sums.iter().zip(motions) {
-                let mass = sum.0[0];
-                let inverse = if mass > self.least_mass { 1.0 / mass } else { 0.0 };
-                let momentum = S::blend_force(S::load(sum).momentum_to_low(), zero);
-                (momentum * S::splat(inverse)).store(motion);
+        for ((sums, motions), field) in fields {
+            if field.begins {
+                self.begin::<S>(sums, motions);
             }
+            if field.missed > 0.0 {
+                integrate::<S>(sums, motions, field.missed, self.least_mass);
+            }
+        }
+    }
+}
+
+impl NodalVelocity {
+    #[inline(always)]
+    fn begin<S: Simd>(&self, sums: &[Wide], motions: &mut [Wide]) {
+        for (sum, motion) in sums.iter().zip(motions) {
+            let inverse = if sum.0[0] > self.least_mass { 1.0 / sum.0[0] } else { 0.0 };
+            let momentum = S::blend_force(S::load(sum).momentum_to_low(), S::splat(0.0));
+            (momentum * S::splat(inverse)).store(motion);
         }
     }
 }

@@ -123,7 +123,8 @@ impl Nodes {
             begins: false,
             ends: material % 2 == 0,
             elapsed: 1e-3 * f64::from(material),
-            pending: 1e-3,
+            missed: 0.0,
+            tick: 1e-3,
             step: 1e-2,
         };
         let fields: Vec<Field> = self.present.iter().map(field).collect();

@@ -137,6 +137,21 @@ fn bodies_that_cross_corners_of_random_patches_keep_their_bits() {
 }
 
 #[test]
+fn materials_with_rates_of_their_own_keep_their_bits_too() {
+    let own = ("run.rates", "per-material");
+    let hard = [("material.lead.bulk-modulus", "46 GPa"), ("material.lead.shear-modulus", "5.6 GPa")];
+    for isa in instruction_sets() {
+        let report = same(&shot(&[&[own][..], &hard].concat()), &LAYOUTS, isa);
+        let [matrix, fiber, total, _] = report.materials[0].failed;
+        println!("{isa:?}: {} s, failed {:?}", report.time, report.materials[0].failed);
+        assert!(report.time > 1e-4, "steps as long as tissue can take");
+        assert!(matrix + total > 100 && fiber + total > 100, "the shot must fail tissue to test failure");
+        let crossing = scene(CROSSING, &[own, ("material.b.bulk-modulus", "500 MPa")]);
+        same(&crossing, &[LAYOUTS[0], LAYOUTS[1], ([5, 5, 4], 3)], isa);
+    }
+}
+
+#[test]
 fn a_millionth_of_any_input_is_seen() {
     let base = [("run.steps", "20"), ("output.frames", "0")];
     let hash = |more: Overrides<'_>| simulate(shot(&[&base, more].concat()), ([2, 1, 2], 2), Isa::detect()).0;

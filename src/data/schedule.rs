@@ -15,8 +15,10 @@ pub struct Field {
     pub ends: bool,
     /// The part of its step that had passed when the tick began [s].
     pub elapsed: f64,
-    /// The part of its step that these nodes have yet to go through, up to the end of the tick [s].
-    pub pending: f64,
+    /// The part of its step before the tick that these nodes have not gone through, because nobody asked [s].
+    pub missed: f64,
+    /// Size of the tick [s].
+    pub tick: f64,
     /// Size of its step [s].
     pub step: f64,
 }
@@ -75,7 +77,8 @@ impl Schedule {
             begins: until <= step.first,
             ends: self.ends(material as usize),
             elapsed: (self.tick - step.first) * self.size,
-            pending: (self.tick + 1.0 - until.max(step.first)) * self.size,
+            missed: (self.tick - until.max(step.first)) * self.size,
+            tick: self.size,
             step: step.size,
         }
     }
