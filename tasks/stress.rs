@@ -1,6 +1,6 @@
 use crate::data::labels::{
-    Deformation, Fault, FirstFailure, History, Identity, InitialVolume, KirchhoffStress, Position,
-    Step, StiffnessBound, VelocityGradient, Volume,
+    Deformation, Fault, FirstFailure, History, Identity, InitialVolume, KirchhoffStress, Position, Step,
+    StiffnessBound, VelocityGradient, Volume,
 };
 use crate::data::reduction::earlier;
 use crate::graph::task::{At, Body};

@@ -59,8 +59,7 @@ impl TimestepSize {
             all.clone().map(|m| (m, of(m, 0))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
         let tick = self.cfl * self.cell / speed;
         let deformable = all.filter(|&m| !self.rigid[m]).map(|m| (m, self.alone(speeds, m)));
-        let (slowest, longest) =
-            deformable.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((fastest, tick));
+        let (slowest, longest) = deformable.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((fastest, tick));
 
         let left = clock.until - clock.time;
         let ticks = (longest.min(left) / tick).ceil().clamp(1.0, self.most);

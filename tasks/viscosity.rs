@@ -1,5 +1,5 @@
 use crate::data::labels::{
-    InitialVolume, KirchhoffStress, Mass, StiffnessBound, Step, VelocityGradient, ViscousWork, Volume,
+    InitialVolume, KirchhoffStress, Mass, Step, StiffnessBound, VelocityGradient, ViscousWork, Volume,
 };
 use crate::graph::task::{At, Body};
 use crate::physics::viscosity::Viscosity as Law;

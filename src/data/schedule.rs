@@ -36,7 +36,8 @@ pub struct Schedule {
 impl Schedule {
     /// A tick in which each of `materials` materials begins and ends a step of no size.
     pub fn everyone(materials: usize) -> Self {
-        let mut schedule = Self { tick: 0.0, size: 0.0, steps: vec![bytemuck::Zeroable::zeroed(); materials] };
+        let mut schedule =
+            Self { tick: 0.0, size: 0.0, steps: vec![bytemuck::Zeroable::zeroed(); materials] };
         schedule.reset();
         schedule
     }

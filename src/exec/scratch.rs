@@ -34,7 +34,12 @@ impl Scratch {
                 _ => 0,
             }
         });
-        Self { lines: vec![Wide::default(); widths.iter().sum()], widths, shared: shared.clone(), fields: Vec::new() }
+        Self {
+            lines: vec![Wide::default(); widths.iter().sum()],
+            widths,
+            shared: shared.clone(),
+            fields: Vec::new(),
+        }
     }
 
     /// A column a label, and the shared labels.

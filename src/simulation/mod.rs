@@ -103,7 +103,8 @@ impl Simulation {
         };
         let engine = Engine::new(workers, isa, &warehouse);
         let ledger = Ledger::default();
-        let mut simulation = Self { scene, warehouse, graph, report_graph, engine, ledger, steps: 0, updates: 0 };
+        let mut simulation =
+            Self { scene, warehouse, graph, report_graph, engine, ledger, steps: 0, updates: 0 };
         simulation.engine.run(&start, &mut simulation.warehouse);
         simulation.check_faults()?;
         simulation.relocate()?;

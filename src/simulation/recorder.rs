@@ -166,12 +166,7 @@ fn failed(reports: &[&MaterialReport]) -> Failed {
     Failed { matrix, fiber, total, any: matrix + fiber + total }
 }
 
-fn summarize(
-    simulation: &mut Simulation,
-    wall_s: f64,
-    stepping_s: f64,
-    error: Option<String>,
-) -> Summary {
+fn summarize(simulation: &mut Simulation, wall_s: f64, stepping_s: f64, error: Option<String>) -> Summary {
     let report = simulation.report();
     let energy = report.energy();
     let rate = simulation.updates() as f64 / stepping_s.max(f64::MIN_POSITIVE);
