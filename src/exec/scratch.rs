@@ -1,4 +1,5 @@
 //! What one worker keeps between pieces of work.
+use super::meter::Tally;
 use crate::data::label::Home;
 use crate::data::labels::{LABELS, LabelId};
 use crate::data::nodes::NODES;
@@ -18,6 +19,8 @@ pub struct Scratch {
     widths: [usize; LABELS],
     /// Contributions to shared labels, and copies of those that are read.
     pub shared: Shared,
+    /// What the worker's work took, if it is metered.
+    pub tally: Tally,
 }
 
 impl Scratch {
@@ -31,7 +34,12 @@ impl Scratch {
                 _ => 0,
             }
         });
-        Self { lines: vec![Wide::default(); widths.iter().sum()], widths, shared: shared.clone() }
+        Self {
+            lines: vec![Wide::default(); widths.iter().sum()],
+            widths,
+            shared: shared.clone(),
+            tally: Tally::default(),
+        }
     }
 
     /// A column a label, and the shared labels.

@@ -1,5 +1,6 @@
 //! One stage on one block: columns are laid out, then the fused tasks run chunk by chunk.
 use super::halo::{LoadRegion, SumPartials};
+use super::meter::{Laps, Part, Tally, What};
 use super::scratch::{AHEAD, CHUNK, Scratch};
 use crate::data::label::Home;
 use crate::data::labels::{LABELS, LabelId};
@@ -54,7 +55,7 @@ impl Context<'_> {
 }
 
 /// Runs a particle stage on one block.
-pub fn sweep(
+pub fn sweep<const METERED: bool>(
     context: &Context<'_>,
     stage: &Stage,
     nodes: &[NodePatch],
@@ -63,6 +64,8 @@ pub fn sweep(
 ) {
     let Some(material) = stage.material else { return };
     let layout = &context.materials[material].layout;
+    let (mut laps, part) =
+        (Laps::<METERED>::begin(&mut scratch.tally), |part| What::Part(stage.entries[0], part));
     let (mut columns, shared) = scratch.split();
     for (label, which) in SCATTERED {
         let exists = label == LabelId::NodeSums || block.near;
@@ -73,10 +76,12 @@ pub fn sweep(
             block.partials[which] = Vec::new();
         }
     }
+    laps.lap(part(Part::Zeroing));
     if stage.touches(LabelId::NodeMotion, Mode::reads) {
         let region = &mut *columns[LabelId::NodeMotion as usize];
         context.isa.dispatch(LoadRegion { material, nodes, around: &block.around, region });
     }
+    laps.lap(part(Part::LoadRegion));
     let (count, tiles, near, index) = (block.count, block.tiles(), block.near, block.index);
     let split = block.split(layout);
     let homes = split.columns.into_iter().zip(LabelId::ALL).zip(&mut columns);
@@ -99,6 +104,7 @@ pub fn sweep(
     let mut space = Workspace { columns, chunk: 0..0, ahead: AHEAD, history };
     let mut at = context.at(index);
     let traced = tracing::enabled!(tracing::Level::TRACE);
+    laps.lap(part(Part::Setup));
     for first in (0..tiles).step_by(CHUNK) {
         space.chunk = first..(first + CHUNK).min(tiles);
         at.count = (count - first * LANES).min(CHUNK * LANES);
@@ -107,19 +113,23 @@ pub fn sweep(
             if near || task.declaration().domain != Domain::NearParticles {
                 let _span = traced.then(|| context.span(entry).entered());
                 task.run_on(context.isa, &at, &mut space);
+                laps.lap(What::Entry(entry));
             }
         }
     }
+    laps.end(&mut scratch.tally);
 }
 
 /// Runs a node stage on one block.
-pub fn update_nodes(
+pub fn update_nodes<const METERED: bool>(
     context: &Context<'_>,
     stage: &Stage,
     particles: &[Vec<ParticlePatch>],
     scratch: &mut Scratch,
     block: &mut NodeBlock,
 ) {
+    let (mut laps, part) =
+        (Laps::<METERED>::begin(&mut scratch.tally), |part| What::Part(stage.entries[0], part));
     let (mut columns, shared) = scratch.split();
     let lines = NODES * block.present.len();
     for (label, which) in SCATTERED {
@@ -136,26 +146,38 @@ pub fn update_nodes(
         }
         columns[label as usize] = column;
     }
+    laps.lap(part(Part::SumPartials));
     columns[LabelId::NodeMotion as usize] = &mut block.motion;
     lend_shared(&mut columns, shared, None);
     let mut space = Workspace { columns, ..Workspace::empty() };
     let mut at = context.at(block.index);
     at.present = &block.present;
     let traced = tracing::enabled!(tracing::Level::TRACE);
+    laps.lap(part(Part::Setup));
     for &entry in &stage.entries {
         let _span = traced.then(|| context.span(entry).entered());
         context.task(entry).run_on(context.isa, &at, &mut space);
+        laps.lap(What::Entry(entry));
     }
+    laps.end(&mut scratch.tally);
 }
 
 /// Runs a stage that has no place.
-pub fn once(context: &Context<'_>, stage: &Stage, shared: &mut Shared) {
+pub fn once<const METERED: bool>(
+    context: &Context<'_>,
+    stage: &Stage,
+    shared: &mut Shared,
+    tally: &mut Tally,
+) {
+    let mut laps = Laps::<METERED>::begin(tally);
     let mut space = Workspace { columns: shared.split(), ..Workspace::empty() };
     let at = context.at([0; 3]);
     for &entry in &stage.entries {
         let _span = context.span(entry).entered();
         context.task(entry).run_on(context.isa, &at, &mut space);
+        laps.lap(What::Entry(entry));
     }
+    laps.end(tally);
 }
 
 /// Puts shared labels into their columns: one material's tile, or all tiles.

@@ -1,5 +1,6 @@
 //! A step: the phases of a graph, one after the other.
 use super::Executor;
+use super::meter::{Laps, Tally, What};
 use super::scratch::Scratch;
 use super::stage::{self, Context};
 use crate::data::label::{Home, Reduce};
@@ -12,13 +13,14 @@ use crate::graph::fuse::{Phase, Stage};
 use crate::graph::task::{Domain, Mode};
 use crate::simd::Isa;
 use std::collections::BTreeSet;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Runs graphs with an executor. Keeps what workers need between steps.
 pub struct Engine<E> {
     executor: E,
     isa: Isa,
     scratch: Vec<Mutex<Scratch>>,
+    metered: bool,
 }
 
 impl<E: Executor> Engine<E> {
@@ -26,7 +28,7 @@ impl<E: Executor> Engine<E> {
     pub fn new(executor: E, isa: Isa, warehouse: &Warehouse) -> Self {
         let scratch = || Mutex::new(Scratch::new(warehouse.materials.len(), &warehouse.shared));
         let scratch = (0..executor.workers()).map(|_| scratch()).collect();
-        Self { executor, isa, scratch }
+        Self { executor, isa, scratch, metered: false }
     }
 
     /// Instruction set that tasks run on.
@@ -39,10 +41,41 @@ impl<E: Executor> Engine<E> {
         self.executor.workers()
     }
 
+    /// Meters what is run from now on, or stops that. See [`super::meter`].
+    pub fn set_meter(&mut self, on: bool) {
+        self.metered = on;
+        self.take_meter();
+        (0..self.workers()).for_each(|w| self.worker(w).tally.counting = self.isa == Isa::COUNTING);
+    }
+
+    /// What the work since the last [`Engine::set_meter`] took, summed over workers.
+    pub fn take_meter(&self) -> Tally {
+        let mut sum = Tally::default();
+        (0..self.workers()).for_each(|w| sum.merge(&self.worker(w).tally.take()));
+        sum
+    }
+
+    /// Does work of its own, and meters it as `what`.
+    pub fn metered<T>(&self, what: What, work: impl FnOnce() -> T) -> T {
+        if !self.metered {
+            return work();
+        }
+        let tally = &mut self.worker(0).tally;
+        let mut laps = Laps::<true>::begin(tally);
+        let result = work();
+        laps.lap(what);
+        laps.end(tally);
+        result
+    }
+
+    fn worker(&self, worker: usize) -> MutexGuard<'_, Scratch> {
+        self.scratch[worker].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Runs `graph` once.
     pub fn run(&self, graph: &TaskGraph, warehouse: &mut Warehouse) {
         if warehouse.stale {
-            warehouse.activate();
+            self.metered(What::Activation, || warehouse.activate());
         }
         let mut begun = BTreeSet::new();
         for phase in &graph.phases {
@@ -67,21 +100,24 @@ impl<E: Executor> Engine<E> {
         let first = phase.stages.first();
         if let Some(stage) = first.filter(|s| s.domain == Domain::Once) {
             begin(phase, shared, begun);
-            return stage::once(&context, stage, shared);
+            let once = if self.metered { stage::once::<true> } else { stage::once::<false> };
+            return once(&context, stage, shared, &mut self.worker(0).tally);
         }
         self.lend(phase, shared);
-        let scratch = |worker: usize| self.scratch[worker].lock().unwrap_or_else(PoisonError::into_inner);
         match first.filter(|s| s.domain == Domain::Nodes) {
             Some(stage) => {
                 let mut items: Vec<_> = nodes.iter_mut().flat_map(|patch| &mut patch.blocks).collect();
+                let update =
+                    if self.metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
                 self.executor.each(&mut items, |worker, block| {
-                    stage::update_nodes(&context, stage, particles, &mut scratch(worker), block);
+                    update(&context, stage, particles, &mut self.worker(worker), block);
                 });
             }
             None => {
                 let mut items = sweep_items(phase, particles);
+                let sweep = if self.metered { stage::sweep::<true> } else { stage::sweep::<false> };
                 self.executor.each(&mut items, |worker, (stage, block)| {
-                    stage::sweep(&context, stage, nodes, &mut scratch(worker), block);
+                    sweep(&context, stage, nodes, &mut self.worker(worker), block);
                 });
             }
         }

@@ -2,6 +2,7 @@
 pub mod fault;
 mod hash;
 pub mod ledger;
+mod meter;
 mod populate;
 pub mod recorder;
 mod snapshot;
@@ -13,6 +14,7 @@ pub use snapshot::Snapshot;
 use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
+use crate::exec::meter::What;
 use crate::exec::relocate::{self, Left};
 use crate::exec::{Engine, Executor, Serial, Threads};
 use crate::graph::build::TaskGraph;
@@ -47,6 +49,15 @@ pub enum Workers {
     Serial(Serial),
     /// A pool.
     Threads(Threads),
+}
+
+impl Workers {
+    fn new(threads: usize) -> Result<Self, RunError> {
+        match threads {
+            1 => Ok(Workers::Serial(Serial)),
+            n => Ok(Workers::Threads(Threads::new(n)?)),
+        }
+    }
 }
 
 impl Executor for Workers {
@@ -95,11 +106,7 @@ impl Simulation {
         let start = TaskGraph::build(timestep::start(&scene), WANTED, patches)?;
 
         let warehouse = populate::populate(&scene, level, decomposition, &graph)?;
-        let workers = match threads {
-            1 => Workers::Serial(Serial),
-            n => Workers::Threads(Threads::new(n)?),
-        };
-        let engine = Engine::new(workers, isa, &warehouse);
+        let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
         let ledger = Ledger::default();
         let mut simulation = Self { scene, warehouse, graph, report_graph, engine, ledger, steps: 0 };
         simulation.engine.run(&start, &mut simulation.warehouse);
@@ -173,7 +180,8 @@ impl Simulation {
     }
 
     fn relocate(&mut self) -> Result<(), RunError> {
-        let left: Vec<Left> = relocate::relocate(&mut self.warehouse);
+        let warehouse = &mut self.warehouse;
+        let left: Vec<Left> = self.engine.metered(What::Relocation, || relocate::relocate(warehouse));
         let Some(first) = left.first() else { return Ok(()) };
         if self.scene.run.leaving == Leaving::Error {
             return Err(fault::left(&self.scene, first, left.len(), self.clock().time));
