@@ -57,13 +57,16 @@ fn scale(path: &str, machine: f64) -> f64 {
     }
 }
 
-/// All numbers with their paths; items of lists go by their names.
+/// All numbers with their paths. Items of lists go by their names, and lists have none: `G2P tissue.Gather.bytes`.
 fn flatten(path: &str, value: &Value, numbers: &mut Vec<(String, f64)>) {
     let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
     match value {
         Value::Number(number) => numbers.extend(number.as_f64().map(|x| (path.to_owned(), x))),
         Value::Object(fields) => {
-            fields.iter().for_each(|(key, value)| flatten(&below(key), value, numbers));
+            for (key, value) in fields {
+                let path = if value.is_array() { path.to_owned() } else { below(key) };
+                flatten(&path, value, numbers);
+            }
         }
         Value::Array(items) => {
             for item in items {

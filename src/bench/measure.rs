@@ -1,4 +1,4 @@
-//! Runs a bench: ceilings, whole steps, metered steps, a counted step.
+//! Runs a bench: ceilings, steps with and without a meter, a counted step.
 use super::ceilings::{Ceiling, last_cache};
 use super::report::{Machine, Report, Rest, Sorting, State, Timing};
 use super::rows::{Findings, Metered};
@@ -41,8 +41,8 @@ pub enum BenchError {
     Nothing,
 }
 
-/// Measures steps of `simulation` from where it is; they move it on. Repetitions on one and on all threads take turns, so
-/// that both see the same states. `progress` hears what is measured next.
+/// Measures steps of `simulation` from where it is; they move it on. Repetitions with and without meter, on one and
+/// on all threads, take turns, so that all see the same states and the same neighbors on the machine. `progress` hears what is measured next.
 ///
 /// # Errors
 /// A failed run, or one that ends too early.
@@ -60,18 +60,16 @@ pub fn bench(
     let mut bench = Bench { simulation, plan, isa, needed };
     progress("ceilings");
     let ceilings = [1, plan.threads].map(|threads| Ceiling::measure(threads, isa));
-    progress("whole steps");
-    let [one, all] = bench.whole()?;
-    progress("metered steps");
+    progress("steps on one thread and on all");
     let calibration = Calibration::measure();
-    let metered = bench.metered()?;
+    let [mut one, mut all] = bench.steps()?;
     progress("counted step");
     let counted = bench.counted()?;
     let findings = Findings {
         simulation: bench.simulation,
         calibration: &calibration,
-        one: &metered[0],
-        all: &metered[1],
+        one: &one.metered,
+        all: &all.metered,
         counted: &counted,
         ceiling: &ceilings[0],
     };
@@ -81,13 +79,13 @@ pub fn bench(
         one_core: ceilings[0],
         all_cores: ceilings[1],
         state,
-        one_thread: one,
-        all_threads: all,
-        speedup: all.best_updates_per_s / one.best_updates_per_s,
+        one_thread: one.timing(),
+        all_threads: all.timing(),
         sweeps,
         ..Report::default()
     };
-    complete(&mut report, &calibration, &metered);
+    report.speedup = report.all_threads.best_updates_per_s / report.one_thread.best_updates_per_s;
+    complete(&mut report, &calibration, [&one.metered, &all.metered]);
     Ok(report)
 }
 
@@ -119,32 +117,21 @@ impl Bench<'_> {
         Ok((began.elapsed().as_secs_f64(), updates))
     }
 
-    /// Whole steps on one thread and on all.
-    fn whole(&mut self) -> Result<[Timing; 2], BenchError> {
-        let threads = [1, self.plan.threads];
-        let mut rates = [vec![], vec![]];
+    /// Whole steps and metered ones, on one thread and on all, in turns.
+    fn steps(&mut self) -> Result<[Steps; 2], BenchError> {
+        let mut steps = [1, self.plan.threads].map(Steps::new);
         for _ in 0..self.plan.repeat {
-            for (rates, &threads) in rates.iter_mut().zip(&threads) {
-                let (seconds, updates) = self.repetition(threads, false)?;
-                rates.push(updates as f64 / seconds);
-            }
-        }
-        Ok([0, 1].map(|i| timing(threads[i], &mut rates[i])))
-    }
-
-    /// The quickest metered repetition on one thread and on all.
-    fn metered(&mut self) -> Result<[Metered; 2], BenchError> {
-        let mut best = [Metered::default(), Metered::default()];
-        for _ in 0..self.plan.repeat {
-            for (best, threads) in best.iter_mut().zip([1, self.plan.threads]) {
-                let wall_ns = 1e9 * self.repetition(threads, true)?.0;
-                if best.steps == 0 || wall_ns < best.wall_ns {
+            for own in &mut steps {
+                let (seconds, updates) = self.repetition(own.threads, false)?;
+                own.rates.push(updates as f64 / seconds);
+                let wall_ns = 1e9 * self.repetition(own.threads, true)?.0;
+                if own.metered.steps == 0 || wall_ns < own.metered.wall_ns {
                     let (tally, steps) = (self.simulation.take_meter(), self.plan.steps);
-                    *best = Metered { tally, steps, threads, wall_ns };
+                    own.metered = Metered { tally, steps, threads: own.threads, wall_ns };
                 }
             }
         }
-        Ok(best)
+        Ok(steps)
     }
 
     /// One step on vectors that count.
@@ -158,15 +145,35 @@ impl Bench<'_> {
     }
 }
 
-fn timing(threads: usize, rates: &mut [f64]) -> Timing {
-    rates.sort_by(f64::total_cmp);
-    let best = rates.last().copied().unwrap_or_default();
-    let median = rates.get(rates.len() / 2).copied().unwrap_or_default();
-    Timing { threads, best_updates_per_s: best, median_updates_per_s: median, best_update_ns: 1e9 / best }
+/// What steps on some threads take.
+struct Steps {
+    threads: usize,
+    /// Particle updates of each repetition [1/s].
+    rates: Vec<f64>,
+    /// The quickest metered repetition.
+    metered: Metered,
+}
+
+impl Steps {
+    fn new(threads: usize) -> Self {
+        Self { threads, rates: Vec::new(), metered: Metered::default() }
+    }
+
+    fn timing(&mut self) -> Timing {
+        self.rates.sort_by(f64::total_cmp);
+        let best = self.rates.last().copied().unwrap_or_default();
+        let median = self.rates.get(self.rates.len() / 2).copied().unwrap_or_default();
+        Timing {
+            threads: self.threads,
+            best_updates_per_s: best,
+            median_updates_per_s: median,
+            best_update_ns: 1e9 / best,
+        }
+    }
 }
 
 /// Sorting, and what is left.
-fn complete(report: &mut Report, calibration: &Calibration, [one, all]: &[Metered; 2]) {
+fn complete(report: &mut Report, calibration: &Calibration, [one, all]: [&Metered; 2]) {
     let particles = report.state.particles as f64;
     let of_all = |metered: &Metered, what| metered.ns(calibration, what) / particles;
     let whole = |metered: &Metered| metered.step_ns(calibration) / particles;

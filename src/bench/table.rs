@@ -37,7 +37,7 @@ impl Display for Report {
         writeln!(
             f,
             "Time is core time an update of the sweep's particles, in metered steps (they take {:.3} of the time of others);\n\
-             flop are operations in vectors, idle lanes and all, counted in one step; scalar code is not. slots: multiply-adds,\n\
+             flop are operations in vectors, idle lanes and all, counted in one step; scalar code is not (-). slots: multiply-adds,\n\
              additions and multiplications over the ceiling. Bytes are declared columns, node lines and partial sums, with\n\
              write-allocate; above the ceiling they come from cache. Shares of ceilings are those of one core, on one thread.",
             self.meter
@@ -90,21 +90,24 @@ impl Report {
 }
 
 fn line(f: &mut Formatter<'_>, name: &str, row: &Row) -> fmt::Result {
-    writeln!(
-        f,
-        "{name:<26} {:>8.3} {:>8.3} {:>7.2} {:>8.1} {:>7.0} {:>8.1} {:>6.1} {:>6.1} {:>7.1} {:>6.1} {:>6.1}",
-        row.one_thread_ns,
-        row.all_threads_ns,
-        100.0 * row.share,
-        row.updates_per_s / 1e6,
-        row.flop,
-        row.gflop_per_s,
-        100.0 * row.fma_share,
-        100.0 * row.slot_share,
-        row.bytes,
-        row.gb_per_s,
-        100.0 * row.copy_share
-    )
+    let (one, all, share, rate) =
+        (row.one_thread_ns, row.all_threads_ns, 100.0 * row.share, row.updates_per_s / 1e6);
+    write!(f, "{name:<26} {one:>8.3} {all:>8.3} {share:>7.2} {rate:>8.1}")?;
+    match row.flop > 0.0 {
+        true => write!(
+            f,
+            " {:>7.0} {:>8.1} {:>6.1} {:>6.1}",
+            row.flop,
+            row.gflop_per_s,
+            100.0 * row.fma_share,
+            100.0 * row.slot_share
+        )?,
+        false => write!(f, " {:>7} {:>8} {:>6} {:>6}", "-", "-", "-", "-")?,
+    }
+    match row.bytes > 0.0 {
+        true => writeln!(f, " {:>7.1} {:>6.1} {:>6.1}", row.bytes, row.gb_per_s, 100.0 * row.copy_share),
+        false => writeln!(f, " {:>7} {:>6} {:>6}", "-", "-", "-"),
+    }
 }
 
 /// One line of words.

@@ -108,7 +108,8 @@ fn scene(args: &Args) -> Result<Scene, Failure> {
 /// When to measure [s].
 fn start(args: &Args, scene: &Scene) -> Result<f64, Failure> {
     let Some(text) = &args.at else { return Ok(0.25 * scene.run.until) };
-    let at = units::parse(text, Dimension::Time).map_err(|problem| {
+    // as in scenes, a number without a unit is in SI
+    let at = text.trim().parse().or_else(|_| units::parse(text, Dimension::Time)).map_err(|problem| {
         Failure::usage(format!("--at {text}: {problem}; write a time, for example --at \"0.2 ms\""))
     })?;
     if (0.0..scene.run.until).contains(&at) {
