@@ -14,8 +14,8 @@ pub struct Pair {
     pub now: f64,
     /// Now over then.
     pub ratio: f64,
-    /// The same, with times in multiply-adds of one core and rates as shares of their ceiling: what is left when the
-    /// machine is faster or slower by as much.
+    /// The same, with times in multiply-adds of one core (on all threads: of all cores) and rates as shares of their
+    /// ceiling: what is left when the machine is faster or slower by as much.
     pub normalized: f64,
 }
 
@@ -28,33 +28,45 @@ pub struct Comparison {
     pub notes: Vec<String>,
 }
 
-/// This report over an earlier one.
+/// This report over an earlier one. Numbers that are zero in both are left out.
 pub fn compare(now: &Report, then: &Report) -> Comparison {
-    let machine = now.one_core.fma_gflop_per_s / then.one_core.fma_gflop_per_s;
+    let machine = Faster {
+        one: now.one_core.fma_gflop_per_s / then.one_core.fma_gflop_per_s,
+        all: now.all_cores.fma_gflop_per_s / then.all_cores.fma_gflop_per_s,
+    };
     let (mut mine, mut theirs) = (Vec::new(), Vec::new());
     flatten("", &value(now), &mut mine);
     flatten("", &value(then), &mut theirs);
     let pairs = mine.into_iter().filter_map(|(path, now)| {
         let then = theirs.iter().find(|(other, _)| *other == path)?.1;
         let ratio = if now == then { 1.0 } else { now / then };
-        let normalized = ratio * scale(&path, machine);
-        Some(Pair { path, then, now, ratio, normalized })
+        let normalized = ratio * machine.takes_out_of(&path);
+        (now != 0.0 || then != 0.0).then_some(Pair { path, then, now, ratio, normalized })
     });
     Comparison { pairs: pairs.collect(), notes: notes(now, then) }
 }
 
-fn value(report: &Report) -> Value {
-    serde_json::to_value(report).unwrap_or_default()
+/// How much faster multiply-adds are now, on one core and on all.
+struct Faster {
+    one: f64,
+    all: f64,
 }
 
-/// What takes the machine's speed out of a number, by the unit at the end of its name.
-fn scale(path: &str, machine: f64) -> f64 {
-    let name = path.rsplit('.').next().unwrap_or_default();
-    match name {
-        _ if name.ends_with("_per_s") => 1.0 / machine,
-        _ if name.ends_with("_ns") => machine,
-        _ => 1.0,
+impl Faster {
+    /// What takes the machine's speed out of a number, by the unit at the end of its name.
+    fn takes_out_of(&self, path: &str) -> f64 {
+        let all = path.contains("all_threads") || path.contains("all_cores");
+        let machine = if all { self.all } else { self.one };
+        match path {
+            _ if path.ends_with("_per_s") => 1.0 / machine,
+            _ if path.ends_with("_ns") => machine,
+            _ => 1.0,
+        }
     }
+}
+
+fn value(report: &Report) -> Value {
+    serde_json::to_value(report).unwrap_or_default()
 }
 
 /// All numbers with their paths. Items of lists go by their names, and lists have none: `G2P tissue.Gather.bytes`.

@@ -1,7 +1,7 @@
 //! What a bench finds, as numbers that can be kept and compared.
 //!
-//! The end of a name is its unit, and tells [`super::compare`](super::compare()) how it scales with the machine: `_ns` and
-//! `_s` are times, `_per_s` are rates, the rest does not depend on it.
+//! The end of a name is its unit, and tells [`super::compare`](super::compare()) how it scales with the machine: `_ns` are
+//! times, `_per_s` are rates, the rest does not depend on it.
 use super::ceilings::Ceiling;
 use serde::{Deserialize, Serialize};
 

@@ -31,6 +31,7 @@ impl Display for Report {
         writeln!(f, "one thread     {}", Shown(&self.one_thread))?;
         let all = format!("{} threads", self.all_threads.threads);
         writeln!(f, "{all:<14} {}, {:.2} times one", Shown(&self.all_threads), self.speedup)?;
+        self.disturbance().iter().try_for_each(|note| writeln!(f, "{note}"))?;
         writeln!(f)?;
         self.rows(f)?;
         writeln!(f)?;
@@ -45,7 +46,23 @@ impl Display for Report {
     }
 }
 
+/// Cores that do not share units make less than this share of their rates alone only if something else runs on them.
+const UNDISTURBED: f64 = 0.85;
+
 impl Report {
+    /// What to know before rates on all threads are believed.
+    fn disturbance(&self) -> Option<String> {
+        let alone = self.one_core.fma_gflop_per_s * self.all_cores.threads as f64;
+        let share = self.all_cores.fma_gflop_per_s / alone;
+        (share < UNDISTURBED).then(|| {
+            format!(
+                "note           all cores together make {:.0} % of the multiply-adds that they make alone: other work runs, \
+                 or they share units; rates on all threads are lower than on an idle machine",
+                100.0 * share
+            )
+        })
+    }
+
     fn rows(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let all = format!("ns on {}", self.all_threads.threads);
         writeln!(
