@@ -1,4 +1,5 @@
 //! Sinew: coupled solids by the material point method, as declared tasks on the patches of a grid.
+pub mod bench;
 pub mod data;
 pub mod exec;
 pub mod graph;

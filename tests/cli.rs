@@ -129,8 +129,33 @@ fn check_predicts_without_running() {
 }
 
 #[test]
+fn a_bench_writes_json_that_it_compares_with() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("bench.json");
+    let file = file.to_str().expect("a plain path");
+    let bench = ["bench", "problems/slab-quick", "--steps", "1", "--repeat", "1", "-q", "--at"];
+    let first = sinew(&[&bench[..], &["0", "--json", file]].concat());
+    assert!(first.status.success() && first.stderr.is_empty(), "{}", words(&first));
+    let again = sinew(&[&bench[..], &["1 us", "--against", file]].concat());
+    let words = words(&again);
+    for word in ["Gather", "G2P tissue.Gather.one_thread_ns", "differs: state: slab-quick at 0.00"] {
+        assert!(words.contains(word), "{words}");
+    }
+    for (wrong, remedy) in [
+        (["--at", "9 s"], "choose a time between"),
+        (["--at", "soon"], "write a time"),
+        (["--against", "no-such-file"], "sinew bench --json"),
+        (["--steps", "0"], "at least one step"),
+    ] {
+        let output = sinew(&[&["bench", "problems/slab-quick", "-q"], &wrong[..]].concat());
+        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
+        assert!(self::words(&output).contains(remedy), "{}", self::words(&output));
+    }
+}
+
+#[test]
 fn every_subcommand_has_help() {
-    for command in ["run", "check", "graph", "wound", "picture", "scene-docs"] {
+    for command in ["run", "check", "graph", "wound", "picture", "bench", "scene-docs"] {
         let output = sinew(&[command, "--help"]);
         assert!(output.status.success() && words(&output).contains("Usage"), "{command}");
     }

@@ -1,5 +1,6 @@
 //! Runs a graph on a warehouse. Knows labels, blocks and threads; knows no physics.
 pub mod halo;
+pub mod meter;
 pub mod relocate;
 pub mod scratch;
 pub mod serial;

@@ -1,4 +1,5 @@
 //! What one worker keeps between pieces of work.
+use super::meter::Tally;
 use crate::data::label::Home;
 use crate::data::labels::{LABELS, LabelId};
 use crate::data::nodes::NODES;
@@ -21,6 +22,8 @@ pub struct Scratch {
     pub shared: Shared,
     /// Memory for the materials at a block's nodes.
     pub fields: Vec<Field>,
+    /// What the worker's work took, if it is metered.
+    pub tally: Tally,
 }
 
 impl Scratch {
@@ -39,6 +42,7 @@ impl Scratch {
             widths,
             shared: shared.clone(),
             fields: Vec::new(),
+            tally: Tally::default(),
         }
     }
 

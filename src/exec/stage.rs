@@ -1,5 +1,6 @@
 //! One stage on one block: columns are laid out, then the fused tasks run chunk by chunk.
 use super::halo::{Around, Clear, LoadRegion, MotionAround, SumPartials};
+use super::meter::{Laps, Part, Tally, What};
 use super::scratch::{AHEAD, CHUNK, Scratch};
 use crate::data::extent;
 use crate::data::label::Home;
@@ -58,7 +59,7 @@ impl Context<'_> {
 }
 
 /// Runs a particle stage on one block.
-pub fn sweep(
+pub fn sweep<const METERED: bool>(
     context: &Context<'_>,
     stage: &Stage,
     nodes: &[NodePatch],
@@ -67,6 +68,8 @@ pub fn sweep(
 ) {
     let Some(material) = stage.material else { return };
     let layout = &context.materials[material].layout;
+    let (mut laps, part) =
+        (Laps::<METERED>::begin(&mut scratch.tally), |part| What::Part(stage.entries[0], part));
     let (mut columns, shared) = scratch.split();
     if stage.touches(LabelId::NodeSums, Mode::writes) {
         block.touched = extent::touched(&block.extent, block.index);
@@ -80,11 +83,13 @@ pub fn sweep(
             *buffer = Vec::new();
         }
     }
+    laps.lap(part(Part::Zeroing));
     if stage.touches(LabelId::NodeMotion, Mode::reads) {
         let region = &mut *columns[LabelId::NodeMotion as usize];
         let from = MotionAround { material, nodes, around: &block.around, touched: &block.touched };
         context.isa.dispatch(LoadRegion { from, region });
     }
+    laps.lap(part(Part::LoadRegion));
     let (count, tiles, near, index) = (block.count, block.tiles(), block.near, block.index);
     let split = block.split(layout);
     let homes = split.columns.into_iter().zip(LabelId::ALL).zip(&mut columns);
@@ -107,6 +112,7 @@ pub fn sweep(
     let mut space = Workspace { columns, chunk: 0..0, ahead: AHEAD, history };
     let mut at = context.at(index);
     let traced = tracing::enabled!(tracing::Level::TRACE);
+    laps.lap(part(Part::Setup));
     for first in (0..tiles).step_by(CHUNK) {
         space.chunk = first..(first + CHUNK).min(tiles);
         at.count = (count - first * LANES).min(CHUNK * LANES);
@@ -115,19 +121,23 @@ pub fn sweep(
             if near || task.declaration().domain != Domain::NearParticles {
                 let _span = traced.then(|| context.span(entry).entered());
                 task.run_on(context.isa, &at, &mut space);
+                laps.lap(What::Entry(entry));
             }
         }
     }
+    laps.end(&mut scratch.tally);
 }
 
 /// Runs a node stage on one block.
-pub fn update_nodes(
+pub fn update_nodes<const METERED: bool>(
     context: &Context<'_>,
     stage: &Stage,
     particles: &[Vec<ParticlePatch>],
     scratch: &mut Scratch,
     block: &mut NodeBlock,
 ) {
+    let (mut laps, part) =
+        (Laps::<METERED>::begin(&mut scratch.tally), |part| What::Part(stage.entries[0], part));
     let mut fields = std::mem::take(&mut scratch.fields);
     fields.clear();
     fields.extend(fields_of(context.schedule, block));
@@ -148,6 +158,7 @@ pub fn update_nodes(
         }
         columns[label as usize] = column;
     }
+    laps.lap(part(Part::SumPartials));
     columns[LabelId::NodeMotion as usize] = &mut block.motion;
     if stage.touches(LabelId::ContactImpulse, Mode::writes) && block.present.len() > 1 {
         block.impulse.resize(lines, Wide::default());
@@ -158,11 +169,14 @@ pub fn update_nodes(
     let mut at = context.at(block.index);
     at.fields = &fields;
     let traced = tracing::enabled!(tracing::Level::TRACE);
+    laps.lap(part(Part::Setup));
     for &entry in &stage.entries {
         let _span = traced.then(|| context.span(entry).entered());
         context.task(entry).run_on(context.isa, &at, &mut space);
+        laps.lap(What::Entry(entry));
     }
     scratch.fields = fields;
+    laps.end(&mut scratch.tally);
 }
 
 /// The materials at a block's nodes, in this tick.
@@ -172,13 +186,21 @@ fn fields_of<'a>(schedule: &'a Schedule, block: &'a NodeBlock) -> impl Iterator<
 }
 
 /// Runs a stage that has no place.
-pub fn once(context: &Context<'_>, stage: &Stage, shared: &mut Shared) {
+pub fn once<const METERED: bool>(
+    context: &Context<'_>,
+    stage: &Stage,
+    shared: &mut Shared,
+    tally: &mut Tally,
+) {
+    let mut laps = Laps::<METERED>::begin(tally);
     let mut space = Workspace { columns: shared.split(), ..Workspace::empty() };
     let at = context.at([0; 3]);
     for &entry in &stage.entries {
         let _span = context.span(entry).entered();
         context.task(entry).run_on(context.isa, &at, &mut space);
+        laps.lap(What::Entry(entry));
     }
+    laps.end(tally);
 }
 
 /// Puts shared labels into their columns: one material's tile, or all tiles.

@@ -1,5 +1,6 @@
 //! A step: the phases of a graph, one after the other.
 use super::Executor;
+use super::meter::{Laps, Tally, What};
 use super::scratch::Scratch;
 use super::stage::{self, Context};
 use crate::data::label::Home;
@@ -12,7 +13,7 @@ use crate::graph::build::TaskGraph;
 use crate::graph::fuse::{Phase, Stage, When};
 use crate::graph::task::Domain;
 use crate::simd::Isa;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Runs graphs with an executor. Keeps what workers need between steps.
 pub struct Engine<E> {
@@ -23,6 +24,7 @@ pub struct Engine<E> {
     /// Memory of the lists of blocks of a phase, empty between phases.
     particle_items: Vec<Item<'static>>,
     node_items: Vec<&'static mut NodeBlock>,
+    metered: bool,
 }
 
 impl<E: Executor> Engine<E> {
@@ -31,7 +33,8 @@ impl<E: Executor> Engine<E> {
         let scratch = || Mutex::new(Scratch::new(warehouse.materials.len(), &warehouse.shared));
         let scratch = (0..executor.workers()).map(|_| scratch()).collect();
         let schedule = Schedule::everyone(warehouse.materials.len());
-        Self { executor, isa, scratch, schedule, particle_items: Vec::new(), node_items: Vec::new() }
+        let (particle_items, node_items) = (Vec::new(), Vec::new());
+        Self { executor, isa, scratch, schedule, particle_items, node_items, metered: false }
     }
 
     /// Instruction set that tasks run on.
@@ -44,11 +47,38 @@ impl<E: Executor> Engine<E> {
         self.executor.workers()
     }
 
+    /// Meters what is run from now on, or stops that. See [`super::meter`].
+    pub fn set_meter(&mut self, on: bool) {
+        self.metered = on;
+        self.take_meter();
+        (0..self.workers()).for_each(|w| lock(&self.scratch[w]).tally.counting = self.isa == Isa::COUNTING);
+    }
+
+    /// What the work since the last [`Engine::set_meter`] took, summed over workers.
+    pub fn take_meter(&self) -> Tally {
+        let mut sum = Tally::default();
+        (0..self.workers()).for_each(|w| sum.merge(&lock(&self.scratch[w]).tally.take()));
+        sum
+    }
+
+    /// Does work of its own, and meters it as `what`.
+    pub fn metered<T>(&self, what: What, work: impl FnOnce() -> T) -> T {
+        if !self.metered {
+            return work();
+        }
+        let tally = &mut lock(&self.scratch[0]).tally;
+        let mut laps = Laps::<true>::begin(tally);
+        let result = work();
+        laps.lap(what);
+        laps.end(tally);
+        result
+    }
+
     /// Runs `graph` once: a tick. A task that computes the label `Step` decides which materials act in the rest of it;
     /// without one, all do.
     pub fn run(&mut self, graph: &TaskGraph, warehouse: &mut Warehouse) {
         if warehouse.stale {
-            warehouse.activate();
+            self.metered(What::Activation, || warehouse.activate());
         }
         self.schedule.reset();
         for phase in &graph.phases {
@@ -71,22 +101,24 @@ impl<E: Executor> Engine<E> {
 
     fn phase(&mut self, graph: &TaskGraph, phase: &Phase, warehouse: &mut Warehouse) {
         let Warehouse { level, materials, particles, nodes, shared, .. } = warehouse;
-        let Self { executor, isa, scratch, schedule, .. } = self;
+        let Self { executor, isa, scratch, schedule, metered, .. } = self;
         let context = Context { isa: *isa, recipe: &graph.recipe, level, materials, schedule };
         begin(phase, schedule, shared);
         let first = phase.stages.first();
         if let Some(stage) = first.filter(|s| s.domain == Domain::Once) {
-            return stage::once(&context, stage, shared);
+            let once = if *metered { stage::once::<true> } else { stage::once::<false> };
+            return once(&context, stage, shared, &mut lock(&scratch[0]).tally);
         }
         lend(phase, scratch, shared);
-        let scratch_of = |worker: usize| scratch[worker].lock().unwrap_or_else(PoisonError::into_inner);
         match first.filter(|s| s.domain == Domain::Nodes) {
             Some(stage) => {
                 let blocks = nodes.iter_mut().flat_map(|patch| &mut patch.blocks);
                 let mut items = recycle(std::mem::take(&mut self.node_items));
                 items.extend(blocks.filter(|block| schedule.wakes(&block.present)));
+                let update =
+                    if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
                 executor.each(&mut items, |worker, block| {
-                    stage::update_nodes(&context, stage, particles, &mut scratch_of(worker), block);
+                    update(&context, stage, particles, &mut lock(&scratch[worker]), block);
                     if phase.settles {
                         block.until.fill(schedule.next());
                     }
@@ -96,8 +128,9 @@ impl<E: Executor> Engine<E> {
             None => {
                 let mut items = recycle(std::mem::take(&mut self.particle_items));
                 sweep_items(phase, schedule, particles, &mut items);
+                let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
                 executor.each(&mut items, |worker, (stage, block)| {
-                    stage::sweep(&context, &phase.stages[*stage], nodes, &mut scratch_of(worker), block);
+                    sweep(&context, &phase.stages[*stage], nodes, &mut lock(&scratch[worker]), block);
                 });
                 self.particle_items = recycle(items);
             }
@@ -106,10 +139,15 @@ impl<E: Executor> Engine<E> {
     }
 }
 
+/// A worker's scratch. Nobody else takes it while the worker works.
+fn lock(scratch: &Mutex<Scratch>) -> MutexGuard<'_, Scratch> {
+    scratch.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Gives every worker the shared labels that the phase reads, and nothing yet of those that it reduces.
 fn lend(phase: &Phase, scratch: &[Mutex<Scratch>], shared: &Shared) {
     for scratch in scratch {
-        let mut scratch = scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut scratch = lock(scratch);
         for &(label, reduces) in &phase.shared {
             let copy = scratch.shared.column_mut(label);
             match reduces {
@@ -125,7 +163,7 @@ fn collect(phase: &Phase, scratch: &[Mutex<Scratch>], shared: &mut Shared) {
     for &(label, _) in phase.shared.iter().filter(|(_, reduces)| *reduces) {
         let total = shared.column_mut(label);
         for scratch in scratch {
-            let scratch = scratch.lock().unwrap_or_else(PoisonError::into_inner);
+            let scratch = lock(scratch);
             reduction::merge(label.reduce(), total, scratch.shared.column(label));
         }
     }

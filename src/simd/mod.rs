@@ -5,13 +5,17 @@
 //! compiled for a set. All `unsafe` of the kernels lives in this folder.
 mod array;
 mod avx512;
+pub mod counting;
 pub mod math;
+mod ticks;
 
 pub use array::Array;
 use avx512::Avx512;
 use bytemuck::{Pod, Zeroable};
+use counting::Counting;
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+pub use ticks::ticks;
 
 /// Lanes of a vector: particles in a tile, numbers in a node line.
 pub const LANES: usize = 8;
@@ -112,11 +116,15 @@ enum Level {
     Avx512,
     Avx2,
     Baseline,
+    Counting,
 }
 
 impl Isa {
     /// Plain arrays: runs on every machine.
     pub const BASELINE: Isa = Isa(Level::Baseline);
+
+    /// Counts operations instead of being fast (see [`counting::take`]). Nobody gets it who does not ask for it here.
+    pub const COUNTING: Isa = Isa(Level::Counting);
 
     /// The sets of this machine, the best first.
     pub fn available() -> Vec<Self> {
@@ -154,12 +162,13 @@ impl Isa {
         })
     }
 
-    /// `avx512`, `avx2` or `baseline`.
+    /// `avx512`, `avx2` or `baseline`; `counting` counts.
     pub fn name(self) -> &'static str {
         match self.0 {
             Level::Avx512 => "avx512",
             Level::Avx2 => "avx2",
             Level::Baseline => "baseline",
+            Level::Counting => "counting",
         }
     }
 
@@ -173,6 +182,7 @@ impl Isa {
             // SAFETY: as above.
             Level::Avx2 => unsafe { with_avx2(job) },
             Level::Baseline => job.run::<Array<false>>(),
+            Level::Counting => counted(job),
         }
     }
 }
@@ -199,6 +209,12 @@ fn with_avx512<J: Job>(job: J) -> J::Output {
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
 fn with_avx2<J: Job>(job: J) -> J::Output {
     job.run::<Array<true>>()
+}
+
+#[cold]
+#[inline(never)]
+fn counted<J: Job>(job: J) -> J::Output {
+    job.run::<Counting>()
 }
 
 /// Loads lines. A loop, not `map`: the standard library may be compiled as functions of its own, without the

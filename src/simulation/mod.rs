@@ -2,6 +2,7 @@
 pub mod fault;
 mod hash;
 pub mod ledger;
+mod meter;
 mod populate;
 pub mod recorder;
 mod snapshot;
@@ -13,6 +14,7 @@ pub use snapshot::Snapshot;
 use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
+use crate::exec::meter::What;
 use crate::exec::relocate;
 use crate::exec::{Engine, Executor, Serial, Threads};
 use crate::graph::build::TaskGraph;
@@ -47,6 +49,15 @@ pub enum Workers {
     Serial(Serial),
     /// A pool.
     Threads(Threads),
+}
+
+impl Workers {
+    fn new(threads: usize) -> Result<Self, RunError> {
+        match threads {
+            1 => Ok(Workers::Serial(Serial)),
+            n => Ok(Workers::Threads(Threads::new(n)?)),
+        }
+    }
 }
 
 impl Executor for Workers {
@@ -97,11 +108,7 @@ impl Simulation {
 
         let mut warehouse = populate::populate(&scene, level, decomposition, &graph)?;
         warehouse.own_rates = scene.run.rates != Rates::Common;
-        let workers = match threads {
-            1 => Workers::Serial(Serial),
-            n => Workers::Threads(Threads::new(n)?),
-        };
-        let engine = Engine::new(workers, isa, &warehouse);
+        let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
         let ledger = Ledger::default();
         let mut simulation =
             Self { scene, warehouse, graph, report_graph, engine, ledger, steps: 0, updates: 0 };
@@ -141,6 +148,18 @@ impl Simulation {
         self.warehouse.shared.set(LabelId::Time, 0, clock);
         self.ledger.add_step(&self.warehouse.shared);
         self.relocate()
+    }
+
+    /// Goes on with other time steps, from the next step on.
+    ///
+    /// # Errors
+    /// A fault of the recipe: an error in Sinew.
+    pub fn set_rates(&mut self, rates: Rates) -> Result<(), RunError> {
+        self.scene.run.rates = rates;
+        self.graph = step_graph(&self.scene, self.warehouse.decomposition.patches.len())?;
+        self.warehouse.own_rates = rates != Rates::Common;
+        self.warehouse.stale = true;
+        Ok(())
     }
 
     /// Whether the end of the run is reached.
@@ -196,8 +215,10 @@ impl Simulation {
     }
 
     fn relocate(&mut self) -> Result<(), RunError> {
-        let moved = |material: usize| self.engine.ended(material);
-        let (left, particles) = relocate::relocate(&mut self.warehouse, moved);
+        let (warehouse, engine) = (&mut self.warehouse, &self.engine);
+        let moved = |material: usize| engine.ended(material);
+        let relocate = || relocate::relocate(warehouse, moved);
+        let (left, particles) = engine.metered(What::Relocation, relocate);
         self.updates += particles;
         let Some(first) = left.first() else { return Ok(()) };
         if self.scene.run.leaving == Leaving::Error {

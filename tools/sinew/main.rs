@@ -1,4 +1,5 @@
 //! The `sinew` command: one file a subcommand.
+mod bench;
 mod check;
 mod fail;
 mod graph;
@@ -28,6 +29,7 @@ enum Command {
     Graph(graph::Args),
     Wound(wound::Args),
     Picture(picture::Args),
+    Bench(bench::Args),
     SceneDocs(scene_docs::Args),
 }
 
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
         Command::Graph(args) => graph::run(&args),
         Command::Wound(args) => wound::run(&args),
         Command::Picture(args) => picture::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::SceneDocs(args) => scene_docs::run(&args),
     };
     match result {

@@ -14,6 +14,8 @@ pub struct Progress {
     began: Instant,
     shown: Instant,
     next_line: f64,
+    /// Simulated time at which it is done [s].
+    until: f64,
 }
 
 impl Progress {
@@ -38,7 +40,12 @@ impl Progress {
             );
         }
         let now = Instant::now();
-        Self { bar, quiet, began: now, shown: now, next_line: 0.05 }
+        Self { bar, quiet, began: now, shown: now, next_line: 0.05, until: simulation.scene.run.until }
+    }
+
+    /// Counts to a time before the end of the run [s].
+    pub fn until(self, until: f64) -> Self {
+        Self { until, ..self }
     }
 
     /// After a step.
@@ -46,7 +53,7 @@ impl Progress {
         if self.quiet {
             return;
         }
-        let done = fraction(simulation);
+        let done = self.fraction(simulation);
         let due = match self.bar {
             Some(_) => self.shown.elapsed() > Duration::from_millis(200),
             None => done >= self.next_line || self.shown.elapsed() > Duration::from_secs(20),
@@ -76,19 +83,19 @@ impl Progress {
         }
     }
 
+    fn fraction(&self, simulation: &Simulation) -> f64 {
+        let by_time = simulation.clock().time / self.until;
+        let by_steps =
+            simulation.scene.run.steps.map_or(0.0, |most| simulation.steps() as f64 / most.max(1) as f64);
+        by_time.max(by_steps).min(1.0)
+    }
+
     /// Takes the bar away.
     pub fn end(self) {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();
         }
     }
-}
-
-fn fraction(simulation: &Simulation) -> f64 {
-    let by_time = simulation.clock().time / simulation.scene.run.until;
-    let by_steps =
-        simulation.scene.run.steps.map_or(0.0, |most| simulation.steps() as f64 / most.max(1) as f64);
-    by_time.max(by_steps).min(1.0)
 }
 
 /// Seconds in words: `42 s`, `3 min 5 s`, `2 h 4 min`.

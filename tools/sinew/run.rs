@@ -34,13 +34,7 @@ pub struct SceneArgs {
 impl SceneArgs {
     /// The scene with all overrides.
     pub fn read(&self) -> Result<Scene, Failure> {
-        let mut overrides = Vec::new();
-        for pair in &self.set {
-            let (key, value) = pair.split_once('=').ok_or_else(|| {
-                Failure::usage(format!("--set {pair}: write it as KEY=VALUE, for example run.cfl=0.2"))
-            })?;
-            overrides.push((key.trim().to_owned(), value.trim().to_owned()));
-        }
+        let mut overrides = overrides(&self.set)?;
         let mut set = |key: &str, value: Option<String>| {
             overrides.extend(value.map(|value| (key.to_owned(), value)));
         };
@@ -50,6 +44,17 @@ impl SceneArgs {
         set("run.patches", self.patches.as_ref().map(|text| format!("[{}]", text.replace(['x', 'X'], ", "))));
         Ok(sinew::input::read(&self.scene, &overrides)?)
     }
+}
+
+/// Overrides of a command line as pairs of key and value.
+pub fn overrides(set: &[String]) -> Result<Vec<(String, String)>, Failure> {
+    let pair = |pair: &String| {
+        let (key, value) = pair.split_once('=').ok_or_else(|| {
+            Failure::usage(format!("--set {pair}: write it as KEY=VALUE, for example run.cfl=0.2"))
+        })?;
+        Ok((key.trim().to_owned(), value.trim().to_owned()))
+    };
+    set.iter().map(pair).collect()
 }
 
 /// Run a scene and leave a folder with summary, history, particle file and pictures
