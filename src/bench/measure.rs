@@ -207,7 +207,7 @@ fn state(simulation: &mut Simulation) -> State {
     let failed: u64 = materials.iter().map(|m| m.failed[..3].iter().sum::<u64>()).sum();
     let warehouse: &Warehouse = &simulation.warehouse;
     let particles = warehouse.particle_count();
-    let (particle_bytes, node_bytes) = warehouse.bytes();
+    let (particle_bytes, node_bytes) = simulation.bytes();
     let near: usize = warehouse.blocks().filter(|(_, block)| block.near).map(|(_, block)| block.count).sum();
     let tiles: usize = warehouse.blocks().map(|(_, block)| block.tiles()).sum();
     State {

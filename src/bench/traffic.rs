@@ -23,7 +23,7 @@ pub struct Traffic(Vec<(What, usize)>);
 
 /// Lines of a partial buffer that hold something.
 fn used(block: &ParticleBlock, which: usize) -> usize {
-    if block.partials[which].is_empty() { 0 } else { block.touched.len() }
+    if SCATTERED[which].0 == LabelId::NodeSums || block.near { block.touched.len() } else { 0 }
 }
 
 impl Traffic {

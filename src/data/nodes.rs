@@ -50,6 +50,11 @@ impl NodeBlock {
         block
     }
 
+    /// The materials, one bit each.
+    pub fn bits(&self) -> u64 {
+        self.present.iter().fold(0, |bits, material| bits | 1 << material)
+    }
+
     /// The motion of a material, or `None` if it does not touch the block.
     pub fn motion_of(&self, material: usize) -> Option<&[Wide]> {
         let slot = self.present.iter().position(|&m| m as usize == material)?;

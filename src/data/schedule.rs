@@ -65,9 +65,11 @@ impl Schedule {
         self.steps[material].last == self.tick + 1.0
     }
 
-    /// Whether the step of any of the `present` materials ends with the tick: only then do their nodes take part.
-    pub fn wakes(&self, present: &[u8]) -> bool {
-        present.iter().any(|&material| self.ends(material as usize))
+    /// The materials whose step ends with the tick, one bit each: only where one of them is do nodes take part.
+    pub fn awake(&self) -> u64 {
+        (0..self.steps.len())
+            .filter(|&material| self.ends(material))
+            .fold(0, |bits, material| bits | 1 << material)
     }
 
     /// A material at nodes that went through all ticks before number `until`.

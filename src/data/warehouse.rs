@@ -10,6 +10,7 @@ use super::reduction;
 use crate::grid::{BlockIndex, Decomposition, IndexBox, Level, add, around};
 use crate::simd::Wide;
 use bytemuck::Pod;
+use std::ops::Range;
 
 /// What is known about a material without knowing its physics.
 #[derive(Clone, Debug)]
@@ -31,6 +32,8 @@ pub struct ParticlePatch {
     pub blocks: Vec<ParticleBlock>,
     /// Position + 1 in `blocks` of each block of the patch, 0: none.
     lookup: Vec<u32>,
+    /// Position of the first block of each layer along x, and the end.
+    layers: Vec<u32>,
 }
 
 /// Node blocks of one patch, in x-major order.
@@ -39,6 +42,29 @@ pub struct NodePatch {
     /// The blocks.
     pub blocks: Vec<NodeBlock>,
     lookup: Vec<u32>,
+    layers: Vec<u32>,
+    /// The materials at each block, one bit each.
+    present: Vec<u64>,
+}
+
+impl ParticlePatch {
+    /// The blocks in some layers along x; `first` is the first layer of the patch.
+    pub fn slab_mut(&mut self, first: i32, wanted: &Range<i32>) -> &mut [ParticleBlock] {
+        let positions = positions(&self.layers, first, wanted);
+        &mut self.blocks[positions]
+    }
+}
+
+impl NodePatch {
+    /// The blocks in some layers along x, with the materials at each; `first` is the first layer of the patch.
+    pub fn slab_mut(
+        &mut self,
+        first: i32,
+        wanted: &Range<i32>,
+    ) -> impl Iterator<Item = (u64, &mut NodeBlock)> {
+        let positions = positions(&self.layers, first, wanted);
+        self.present[positions.clone()].iter().copied().zip(&mut self.blocks[positions])
+    }
 }
 
 /// All data of a run.
@@ -119,6 +145,7 @@ impl Warehouse {
                 material.blocks.retain(|block| block.count > 0);
                 material.blocks.sort_by_key(|block| block.index);
                 fill_lookup(&mut material.lookup, patch.blocks, material.blocks.iter().map(|b| b.index));
+                fill_layers(&mut material.layers, patch.blocks, material.blocks.iter().map(|b| b.index));
             }
         }
         self.activate_nodes();
@@ -143,18 +170,20 @@ impl Warehouse {
         }
         for ((patch, nodes), touched) in self.decomposition.patches.iter().zip(&mut self.nodes).zip(touched) {
             let materials = |bits: u64| (0..64).filter(|m| bits >> m & 1 == 1).collect::<Vec<u8>>();
-            let as_before = |block: &NodeBlock, bits| block.present.iter().fold(0, |b, m| b | 1 << m) == bits;
             // both lists are in x-major order: a block that stays as it was keeps its memory
             let mut old = std::mem::take(&mut nodes.blocks).into_iter().peekable();
             for (index, bits) in patch.blocks.iter().zip(touched).filter(|&(_, bits)| bits != 0) {
                 while old.next_if(|block| block.index < index).is_some() {}
                 nodes.blocks.push(match old.next_if(|block| block.index == index) {
-                    Some(block) if as_before(&block, bits) => block,
+                    Some(block) if block.bits() == bits => block,
                     Some(block) => NodeBlock::succeed(&block, materials(bits)),
                     None => NodeBlock::new(index, materials(bits)),
                 });
             }
             fill_lookup(&mut nodes.lookup, patch.blocks, nodes.blocks.iter().map(|b| b.index));
+            fill_layers(&mut nodes.layers, patch.blocks, nodes.blocks.iter().map(|b| b.index));
+            nodes.present.clear();
+            nodes.present.extend(nodes.blocks.iter().map(NodeBlock::bits));
         }
     }
 
@@ -226,6 +255,16 @@ impl Warehouse {
         home.blocks.get_mut(position)
     }
 
+    /// Number of particle blocks in each layer along x, from the level's first layer on.
+    pub fn blocks_by_layer(&self) -> Vec<usize> {
+        let all = self.level.blocks();
+        let mut counts = vec![0; all.size()[0]];
+        for (_, block) in self.blocks() {
+            counts[(block.index[0] - all.lower[0]) as usize] += 1;
+        }
+        counts
+    }
+
     /// Bytes of particle and of node data.
     pub fn bytes(&self) -> (usize, usize) {
         let particles = self.blocks().map(|(_, block)| block.bytes()).sum();
@@ -250,6 +289,23 @@ fn fill_lookup(lookup: &mut [u32], blocks: IndexBox, indices: impl Iterator<Item
             lookup[at] = position as u32 + 1;
         }
     }
+}
+
+fn fill_layers(layers: &mut Vec<u32>, blocks: IndexBox, indices: impl Iterator<Item = BlockIndex>) {
+    layers.clear();
+    layers.resize(blocks.size()[0] + 1, 0);
+    for index in indices {
+        layers[(index[0] - blocks.lower[0]) as usize + 1] += 1;
+    }
+    for layer in 1..layers.len() {
+        layers[layer] += layers[layer - 1];
+    }
+}
+
+/// Positions of the blocks in the layers `wanted` along x of a patch that begins at layer `first`.
+fn positions(layers: &[u32], first: i32, wanted: &Range<i32>) -> Range<usize> {
+    let at = |layer: i32| layers[((layer - first).max(0) as usize).min(layers.len() - 1)] as usize;
+    at(wanted.start)..at(wanted.end)
 }
 
 /// Labels of home `Material` (a tile a material) and `Global` (one tile).

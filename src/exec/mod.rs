@@ -1,4 +1,5 @@
 //! Runs a graph on a warehouse. Knows labels, blocks and threads; knows no physics.
+pub mod buffers;
 pub mod halo;
 pub mod meter;
 pub mod relocate;
@@ -7,6 +8,7 @@ pub mod serial;
 pub mod stage;
 pub mod step;
 pub mod threads;
+pub mod wave;
 
 pub use serial::Serial;
 pub use step::Engine;
@@ -20,6 +22,14 @@ pub trait Executor: Send + Sync {
     fn each<T: Send>(&self, items: &mut [T], work: impl Fn(usize, &mut T) + Sync)
     where
         Self: Sized;
+
+    /// Runs `work` where [`Executor::each`] costs least.
+    fn enter<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R
+    where
+        Self: Sized,
+    {
+        work()
+    }
 
     /// Number of workers.
     fn workers(&self) -> usize;

@@ -1,4 +1,5 @@
 //! One stage on one block: columns are laid out, then the fused tasks run chunk by chunk.
+use super::buffers::Buffers;
 use super::halo::{Around, Clear, LoadRegion, MotionAround, SumPartials};
 use super::meter::{Laps, Part, Tally, What};
 use super::scratch::{AHEAD, CHUNK, Scratch};
@@ -15,7 +16,7 @@ use crate::graph::fuse::Stage;
 use crate::graph::recipe::{Entry, Recipe};
 use crate::graph::task::{At, Domain, Mode, Runnable};
 use crate::grid::{BLOCK, Level};
-use crate::physics::shape::{BELOW, BUFFER, Origin};
+use crate::physics::shape::{BELOW, Origin};
 use crate::simd::{Isa, LANES, Wide};
 
 /// Node labels that particles fill, and the index of their partial buffers.
@@ -34,6 +35,8 @@ pub struct Context<'a> {
     pub materials: &'a [MaterialData],
     /// Who acts.
     pub schedule: &'a Schedule,
+    /// Buffers for what blocks give to nodes.
+    pub buffers: &'a Buffers,
 }
 
 impl Context<'_> {
@@ -75,13 +78,14 @@ pub fn sweep<const METERED: bool>(
         block.touched = extent::touched(&block.extent, block.index);
     }
     for (label, which) in SCATTERED.iter().filter(|(label, _)| stage.touches(*label, Mode::writes)) {
-        let (buffer, touched) = (&mut block.partials[*which], &block.touched);
         if *label == LabelId::NodeSums || block.near {
-            buffer.resize(BUFFER, Wide::default());
-            context.isa.dispatch(Clear { buffer, touched });
-        } else {
-            *buffer = Vec::new();
+            let mut buffer = context.buffers.take();
+            context.isa.dispatch(Clear { buffer: &mut buffer, touched: &block.touched });
+            block.partials[*which] = buffer;
         }
+    }
+    if stage.after_nodes {
+        block.partials.iter_mut().for_each(|buffer| context.buffers.put_back(std::mem::take(buffer)));
     }
     laps.lap(part(Part::Zeroing));
     if stage.touches(LabelId::NodeMotion, Mode::reads) {

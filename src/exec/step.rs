@@ -1,18 +1,21 @@
 //! A step: the phases of a graph, one after the other.
 use super::Executor;
+use super::buffers::Buffers;
 use super::meter::{Laps, Tally, What};
 use super::scratch::Scratch;
 use super::stage::{self, Context};
+use super::wave;
 use crate::data::label::Home;
 use crate::data::nodes::NodeBlock;
 use crate::data::particles::ParticleBlock;
 use crate::data::reduction;
 use crate::data::schedule::Schedule;
-use crate::data::warehouse::{ParticlePatch, Shared, Warehouse};
+use crate::data::warehouse::{NodePatch, ParticlePatch, Shared, Warehouse};
 use crate::graph::build::TaskGraph;
 use crate::graph::fuse::{Phase, Stage, When};
 use crate::graph::task::Domain;
 use crate::simd::Isa;
+use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Runs graphs with an executor. Keeps what workers need between steps.
@@ -21,9 +24,10 @@ pub struct Engine<E> {
     isa: Isa,
     scratch: Vec<Mutex<Scratch>>,
     schedule: Schedule,
-    /// Memory of the lists of blocks of a phase, empty between phases.
-    particle_items: Vec<Item<'static>>,
-    node_items: Vec<&'static mut NodeBlock>,
+    memory: Memory,
+    buffers: Buffers,
+    /// Layers of blocks that a wave takes at once.
+    slabs: Vec<Range<i32>>,
     metered: bool,
 }
 
@@ -33,13 +37,18 @@ impl<E: Executor> Engine<E> {
         let scratch = || Mutex::new(Scratch::new(warehouse.materials.len(), &warehouse.shared));
         let scratch = (0..executor.workers()).map(|_| scratch()).collect();
         let schedule = Schedule::everyone(warehouse.materials.len());
-        let (particle_items, node_items) = (Vec::new(), Vec::new());
-        Self { executor, isa, scratch, schedule, particle_items, node_items, metered: false }
+        let (memory, slabs) = (Memory::default(), Vec::new());
+        Self { executor, isa, scratch, schedule, memory, buffers: Buffers::default(), slabs, metered: false }
     }
 
     /// Instruction set that tasks run on.
     pub fn isa(&self) -> Isa {
         self.isa
+    }
+
+    /// Bytes of the buffers in which blocks add up what they give to nodes.
+    pub fn buffer_bytes(&self) -> usize {
+        self.buffers.bytes()
     }
 
     /// Number of workers.
@@ -77,18 +86,21 @@ impl<E: Executor> Engine<E> {
     /// Runs `graph` once: a tick. A task that computes the label `Step` decides which materials act in the rest of it;
     /// without one, all do.
     pub fn run(&mut self, graph: &TaskGraph, warehouse: &mut Warehouse) {
-        if warehouse.stale {
+        if warehouse.stale || self.slabs.is_empty() {
             self.metered(What::Activation, || warehouse.activate());
+            self.slabs = wave::slabs(warehouse, self.workers());
         }
         self.schedule.reset();
-        for phase in &graph.phases {
-            let names = || phase.stages.iter().flat_map(|s| &s.nodes).map(|&n| graph.graph[n].name.as_str());
-            let span = tracing::debug_span!("phase", tasks = tracing::field::Empty);
+        for wave in &graph.waves {
+            let phases = &graph.phases[wave.clone()];
+            let names = || phases.iter().flat_map(|p| &p.stages).flat_map(|s| &s.nodes);
+            let span = tracing::debug_span!("wave", tasks = tracing::field::Empty);
             if !span.is_disabled() {
-                span.record("tasks", names().collect::<Vec<_>>().join(" "));
+                let names: Vec<&str> = names().map(|&n| graph.graph[n].name.as_str()).collect();
+                span.record("tasks", names.join(" "));
             }
-            span.in_scope(|| self.phase(graph, phase, warehouse));
-            if phase.decides {
+            span.in_scope(|| self.wave(graph, phases, warehouse));
+            if phases.iter().any(|phase| phase.decides) {
                 self.schedule.read(&warehouse.shared);
             }
         }
@@ -99,44 +111,97 @@ impl<E: Executor> Engine<E> {
         self.schedule.ends(material)
     }
 
-    fn phase(&mut self, graph: &TaskGraph, phase: &Phase, warehouse: &mut Warehouse) {
-        let Warehouse { level, materials, particles, nodes, shared, .. } = warehouse;
-        let Self { executor, isa, scratch, schedule, metered, .. } = self;
-        let context = Context { isa: *isa, recipe: &graph.recipe, level, materials, schedule };
-        begin(phase, schedule, shared);
-        let first = phase.stages.first();
-        if let Some(stage) = first.filter(|s| s.domain == Domain::Once) {
+    /// Runs phases that may follow one another layer by layer.
+    fn wave(&mut self, graph: &TaskGraph, phases: &[Phase], warehouse: &mut Warehouse) {
+        let Self { executor, isa, scratch, schedule, metered, memory, buffers, slabs } = self;
+        let Warehouse { level, decomposition, materials, particles, nodes, shared, .. } = warehouse;
+        let context = Context { isa: *isa, recipe: &graph.recipe, level, materials, schedule, buffers };
+        phases.iter().for_each(|phase| begin(phase, schedule, shared));
+        let once = phases[0].stages.first().filter(|s| s.domain == Domain::Once);
+        if let Some(stage) = once {
             let once = if *metered { stage::once::<true> } else { stage::once::<false> };
             return once(&context, stage, shared, &mut lock(&scratch[0]).tally);
         }
-        lend(phase, scratch, shared);
-        match first.filter(|s| s.domain == Domain::Nodes) {
+        lend(phases, scratch, shared);
+        let blocks = level.blocks();
+        let whole = blocks.lower[0]..blocks.upper[0];
+        let slabs = if wave::busy(schedule, particles) { &slabs[..] } else { &[whole] };
+        let first = |patch: usize| decomposition.patches[patch].blocks.lower[0];
+        let mut work = Work { executor, context, scratch, memory, metered: *metered };
+        executor.enter(|| {
+            for (phase, slab) in wave::order(phases, slabs) {
+                work.run(phase, slab, particles, nodes, first);
+            }
+        });
+        collect(phases, scratch, shared);
+    }
+}
+
+/// What a wave works with.
+struct Work<'a, E> {
+    executor: &'a E,
+    context: Context<'a>,
+    scratch: &'a [Mutex<Scratch>],
+    memory: &'a mut Memory,
+    metered: bool,
+}
+
+impl<E: Executor> Work<'_, E> {
+    /// Runs one phase on one slab.
+    fn run(
+        &mut self,
+        phase: &Phase,
+        slab: &Range<i32>,
+        particles: &mut [Vec<ParticlePatch>],
+        nodes: &mut [NodePatch],
+        first: impl Fn(usize) -> i32,
+    ) {
+        let Self { executor, context, scratch, memory, metered } = self;
+        let schedule = context.schedule;
+        match phase.stages.first().filter(|s| s.domain == Domain::Nodes) {
             Some(stage) => {
-                let blocks = nodes.iter_mut().flat_map(|patch| &mut patch.blocks);
-                let mut items = recycle(std::mem::take(&mut self.node_items));
-                items.extend(blocks.filter(|block| schedule.wakes(&block.present)));
+                let mut items = recycle(std::mem::take(&mut memory.nodes));
+                let patches = nodes.iter_mut().enumerate();
+                let blocks = patches.flat_map(|(patch, nodes)| nodes.slab_mut(first(patch), slab));
+                let awake = schedule.awake();
+                items.extend(blocks.filter(|(present, _)| present & awake != 0).map(|(_, block)| block));
                 let update =
                     if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
                 executor.each(&mut items, |worker, block| {
-                    update(&context, stage, particles, &mut lock(&scratch[worker]), block);
+                    update(context, stage, particles, &mut lock(&scratch[worker]), block);
                     if phase.settles {
                         block.until.fill(schedule.next());
                     }
                 });
-                self.node_items = recycle(items);
+                memory.nodes = recycle(items);
             }
             None => {
-                let mut items = recycle(std::mem::take(&mut self.particle_items));
-                sweep_items(phase, schedule, particles, &mut items);
+                let mut items = recycle(std::mem::take(&mut memory.particles));
+                for (patch, homes) in particles.iter_mut().enumerate() {
+                    for (material, home) in homes.iter_mut().enumerate() {
+                        if let Some(stage) = phase.stages.iter().find(|s| acts(s, schedule, material)) {
+                            let blocks = home.slab_mut(first(patch), slab).iter_mut();
+                            items.extend(blocks.map(|block| (stage, block)));
+                        }
+                    }
+                }
                 let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
                 executor.each(&mut items, |worker, (stage, block)| {
-                    sweep(&context, &phase.stages[*stage], nodes, &mut lock(&scratch[worker]), block);
+                    sweep(context, stage, nodes, &mut lock(&scratch[worker]), block);
                 });
-                self.particle_items = recycle(items);
+                memory.particles = recycle(items);
             }
         }
-        collect(phase, scratch, shared);
     }
+}
+
+/// Whether a stage over particles runs for a material in this tick.
+fn acts(stage: &Stage, schedule: &Schedule, material: usize) -> bool {
+    stage.material == Some(material)
+        && match stage.when {
+            When::Begin => schedule.begins(material),
+            When::End => schedule.ends(material),
+        }
 }
 
 /// A worker's scratch. Nobody else takes it while the worker works.
@@ -144,11 +209,11 @@ fn lock(scratch: &Mutex<Scratch>) -> MutexGuard<'_, Scratch> {
     scratch.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Gives every worker the shared labels that the phase reads, and nothing yet of those that it reduces.
-fn lend(phase: &Phase, scratch: &[Mutex<Scratch>], shared: &Shared) {
+/// Gives every worker the shared labels that the phases read, and nothing yet of those that they reduce.
+fn lend(phases: &[Phase], scratch: &[Mutex<Scratch>], shared: &Shared) {
     for scratch in scratch {
         let mut scratch = lock(scratch);
-        for &(label, reduces) in &phase.shared {
+        for &(label, reduces) in phases.iter().flat_map(|phase| &phase.shared) {
             let copy = scratch.shared.column_mut(label);
             match reduces {
                 true => reduction::clear(label.reduce(), copy),
@@ -159,12 +224,14 @@ fn lend(phase: &Phase, scratch: &[Mutex<Scratch>], shared: &Shared) {
 }
 
 /// Adds up what the workers reduced.
-fn collect(phase: &Phase, scratch: &[Mutex<Scratch>], shared: &mut Shared) {
-    for &(label, _) in phase.shared.iter().filter(|(_, reduces)| *reduces) {
-        let total = shared.column_mut(label);
-        for scratch in scratch {
-            let scratch = lock(scratch);
-            reduction::merge(label.reduce(), total, scratch.shared.column(label));
+fn collect(phases: &[Phase], scratch: &[Mutex<Scratch>], shared: &mut Shared) {
+    for scratch in scratch {
+        let mut scratch = lock(scratch);
+        for &(label, _) in phases.iter().flat_map(|phase| &phase.shared).filter(|(_, reduces)| *reduces) {
+            let part = scratch.shared.column_mut(label);
+            reduction::merge(label.reduce(), shared.column_mut(label), part);
+            // two phases of a wave may add to one label: it counts once
+            reduction::clear(label.reduce(), part);
         }
     }
 }
@@ -185,28 +252,11 @@ fn begin(phase: &Phase, schedule: &Schedule, shared: &mut Shared) {
     }
 }
 
-/// A block, with the place of its stage in the phase.
-type Item<'a> = (usize, &'a mut ParticleBlock);
-
-/// The blocks of the materials that act in a phase.
-fn sweep_items<'a>(
-    phase: &Phase,
-    schedule: &Schedule,
-    particles: &'a mut [Vec<ParticlePatch>],
-    items: &mut Vec<Item<'a>>,
-) {
-    let acts = |stage: &Stage, material: usize| {
-        stage.material == Some(material)
-            && match stage.when {
-                When::Begin => schedule.begins(material),
-                When::End => schedule.ends(material),
-            }
-    };
-    for (material, home) in particles.iter_mut().flat_map(|patch| patch.iter_mut().enumerate()) {
-        if let Some(stage) = phase.stages.iter().position(|stage| acts(stage, material)) {
-            items.extend(home.blocks.iter_mut().map(|block| (stage, block)));
-        }
-    }
+/// Memory of the lists of blocks of a phase, which are empty between phases.
+#[derive(Default)]
+struct Memory {
+    particles: Vec<(&'static Stage, &'static mut ParticleBlock)>,
+    nodes: Vec<&'static mut NodeBlock>,
 }
 
 /// An empty list that takes over the memory of another: no allocation a step.

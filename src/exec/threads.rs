@@ -30,6 +30,11 @@ impl Executor for Threads {
         });
     }
 
+    /// On a worker: it need not wake others from outside.
+    fn enter<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        self.pool.install(work)
+    }
+
     fn workers(&self) -> usize {
         self.pool.current_num_threads()
     }

@@ -9,6 +9,7 @@ use crate::data::labels::LabelId;
 use crate::physics::shape::REACH;
 use petgraph::stable_graph::NodeIndex;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// A graph that runs.
 pub struct TaskGraph {
@@ -18,6 +19,8 @@ pub struct TaskGraph {
     pub graph: Graph,
     /// Fused stages, in groups that may run at the same time.
     pub phases: Vec<Phase>,
+    /// The phases again, in groups that may follow one another layer by layer of blocks.
+    pub waves: Vec<Range<usize>>,
     /// Tasks that nothing needs.
     pub pruned: Vec<String>,
     /// Labels whose value passes from step to step.
@@ -33,7 +36,8 @@ impl TaskGraph {
         let mut graph = derive(&recipe, patches)?;
         let (pruned, carried) = prune::prune(&mut graph, outputs);
         let phases = fuse::fuse(&graph, &recipe, patches)?;
-        Ok(Self { recipe, graph, phases, pruned, carried })
+        let waves = fuse::waves(&phases);
+        Ok(Self { recipe, graph, phases, waves, pruned, carried })
     }
 
     /// Particle labels that the surviving tasks of `material` use.

@@ -11,6 +11,7 @@ use petgraph::Direction;
 use petgraph::stable_graph::NodeIndex;
 use petgraph::visit::EdgeRef;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// Tasks that run together.
 #[derive(Clone, Debug)]
@@ -27,6 +28,8 @@ pub struct Stage {
     pub touched: Vec<Access>,
     /// At which end of a material's own step they run (particle stages).
     pub when: When,
+    /// Whether all node stages of the tick come before: nobody needs what particles gave to nodes any more.
+    pub after_nodes: bool,
 }
 
 /// When in the step of a material a stage runs.
@@ -91,8 +94,15 @@ pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> Result<Vec<Phase>
                 && !needs_all_blocks(graph, node, s)
         });
         if !joins {
-            let when = When::End;
-            stages.push(Stage { domain, material, entries: vec![], nodes: vec![], touched: vec![], when });
+            stages.push(Stage {
+                domain,
+                material,
+                entries: vec![],
+                nodes: vec![],
+                touched: vec![],
+                when: When::End,
+                after_nodes: false,
+            });
         }
         let Some(stage) = stages.last_mut() else { continue };
         stage.entries.push(entry);
@@ -162,11 +172,35 @@ fn group(graph: &Graph, stages: Vec<Stage>) -> Vec<Phase> {
     }
     let mut begun = BTreeSet::new();
     phases.iter_mut().for_each(|phase| phase.complete(&mut begun));
-    let over_nodes = |phase: &&mut Phase| phase.stages.iter().any(|s| s.domain == Domain::Nodes);
-    if let Some(last) = phases.iter_mut().rfind(over_nodes) {
-        last.settles = true;
+    let over_nodes = |phase: &Phase| phase.stages.iter().any(|s| s.domain == Domain::Nodes);
+    if let Some(last) = phases.iter().rposition(over_nodes) {
+        phases[last].settles = true;
+        let after = phases[last + 1..].iter_mut().flat_map(|phase| &mut phase.stages);
+        after.for_each(|stage| stage.after_nodes = true);
     }
     phases
+}
+
+/// Groups phases over blocks that may follow one another as a wave: as soon as one has done a layer of blocks and those
+/// beside it, the next may do that layer. What is reduced over all blocks may not be read in the same wave.
+pub fn waves(phases: &[Phase]) -> Vec<Range<usize>> {
+    let over_blocks = |phase: &Phase| phase.stages.iter().all(|s| s.domain != Domain::Once);
+    let conflict = |a: &Phase, b: &Phase| {
+        a.shared.iter().any(|(label, reduces)| b.shared.iter().any(|(l, r)| l == label && r != reduces))
+    };
+    let mut waves: Vec<Range<usize>> = Vec::new();
+    for (number, phase) in phases.iter().enumerate() {
+        match waves.last_mut() {
+            Some(wave)
+                if phases[wave.clone()].iter().all(|p| over_blocks(p) && !conflict(p, phase))
+                    && over_blocks(phase) =>
+            {
+                wave.end = number + 1;
+            }
+            _ => waves.push(number..number + 1),
+        }
+    }
+    waves
 }
 
 fn merge(touched: &mut Vec<Access>, access: Access) {

@@ -68,6 +68,13 @@ impl Executor for Workers {
         }
     }
 
+    fn enter<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        match self {
+            Workers::Serial(executor) => executor.enter(work),
+            Workers::Threads(executor) => executor.enter(work),
+        }
+    }
+
     fn workers(&self) -> usize {
         match self {
             Workers::Serial(executor) => executor.workers(),
@@ -171,6 +178,12 @@ impl Simulation {
     /// Time and step size.
     pub fn clock(&self) -> Clock {
         self.warehouse.shared.get(LabelId::Time, 0)
+    }
+
+    /// Bytes of particle data, and of node data with the buffers that feed it.
+    pub fn bytes(&self) -> (usize, usize) {
+        let (particles, nodes) = self.warehouse.bytes();
+        (particles, nodes + self.engine.buffer_bytes())
     }
 
     /// Particles moved so far, counted once each time.

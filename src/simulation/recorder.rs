@@ -174,7 +174,7 @@ fn summarize(simulation: &mut Simulation, wall_s: f64, stepping_s: f64, error: O
         report.materials.iter().map(part).fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
     };
     let failing: Vec<&MaterialReport> = report.materials.iter().filter(|m| m.fails).collect();
-    let (particle_bytes, node_bytes) = simulation.warehouse.bytes();
+    let (particle_bytes, node_bytes) = simulation.bytes();
     let more = [
         ("memory_bytes", serde_json::json!({ "particles": particle_bytes, "nodes": node_bytes })),
         ("deleted_j", report.deleted_energy.into()),

@@ -45,7 +45,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         step()?;
     }
     let seconds = began.elapsed().as_secs_f64() / f64::from(TRIAL);
-    let (particle_bytes, node_bytes) = simulation.warehouse.bytes();
+    let (particle_bytes, node_bytes) = simulation.bytes();
     let particles = simulation.warehouse.particle_count();
     let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
     println!(
