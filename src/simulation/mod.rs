@@ -3,6 +3,7 @@ pub mod fault;
 mod hash;
 pub mod ledger;
 mod populate;
+pub mod rates;
 pub mod recorder;
 mod snapshot;
 
