@@ -43,15 +43,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let (until, most) = (scene.run.until, scene.run.steps);
     let mut simulation = Simulation::new(scene, isa)?;
     simulation.step()?;
-    let (start, ticks, steps, updates) = state(&simulation);
-    let began = Instant::now();
-    while simulation.steps() < steps + TRIAL.0 || began.elapsed() < TRIAL.1 {
-        if !simulation.step()? {
-            break;
-        }
-    }
-    let spent = began.elapsed().as_secs_f64();
-    let (time, last_tick, last, updated) = state(&simulation);
     let (particle_bytes, node_bytes) = simulation.warehouse.bytes();
     let (particles, nodes) = (simulation.warehouse.particle_count(), simulation.warehouse.node_count());
     let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
@@ -62,6 +53,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         mib(node_bytes),
         node_bytes / nodes.max(1)
     );
+    let (start, ticks, steps, updates) = state(&simulation);
+    let began = Instant::now();
+    while simulation.steps() < steps + TRIAL.0 || began.elapsed() < TRIAL.1 {
+        if !simulation.step()? {
+            break;
+        }
+    }
+    let spent = began.elapsed().as_secs_f64();
+    let (time, last_tick, last, updated) = state(&simulation);
     if last == steps {
         println!("step           the run ends with step {last}");
         return Ok(());
