@@ -124,6 +124,29 @@ pub fn report(scene: &Scene) -> Recipe {
     recipe.finish()
 }
 
+/// What decides about the steps of the materials.
+pub fn timestep_size(scene: &Scene) -> TimestepSize {
+    let touching = |m: usize| {
+        let pairs = scene.contacts.iter().map(|c| c.between);
+        pairs.filter(|pair| pair.contains(&m)).map(|[a, b]| if a == m { b } else { a }).collect()
+    };
+    let most = match scene.run.rates {
+        Rates::Common => 1,
+        Rates::PerMaterial { most } => most,
+    };
+    TimestepSize {
+        cfl: scene.run.cfl,
+        cell: scene.domain.cell,
+        most: f64::from(most),
+        touches: (0..scene.materials.len()).map(touching).collect(),
+        rigid: rigid(scene),
+    }
+}
+
+fn rigid(scene: &Scene) -> Vec<bool> {
+    scene.materials.iter().map(|m| matches!(m.behavior, Behavior::Rigid(_))).collect()
+}
+
 /// Particles' half-size in cells along each axis, for the shape function of `scene`; 0 for hats.
 pub fn half_size(scene: &Scene, material: usize) -> [f64; 3] {
     match scene.run.shape {
@@ -155,7 +178,7 @@ impl<'a> Builder<'a> {
         Self {
             scene,
             recipe: Recipe { entries: Vec::new(), materials },
-            rigid: scene.materials.iter().map(|m| matches!(m.behavior, Behavior::Rigid(_))).collect(),
+            rigid: rigid(scene),
             lattice: Lattice { lower: scene.domain.lower, cell: scene.domain.cell },
             least_mass: 1e-14 * lightest * scene.domain.cell.powi(3),
         }
@@ -180,22 +203,8 @@ impl<'a> Builder<'a> {
     }
 
     fn timestep_size(&mut self) {
-        let touching = |m: usize| {
-            let pairs = self.scene.contacts.iter().map(|c| c.between);
-            pairs.filter(|pair| pair.contains(&m)).map(|[a, b]| if a == m { b } else { a }).collect()
-        };
-        let (most, because) = match self.scene.run.rates {
-            Rates::Common => (1, ""),
-            Rates::PerMaterial { most } => (most, "run.rates"),
-        };
-        let task = TimestepSize {
-            cfl: self.scene.run.cfl,
-            cell: self.scene.domain.cell,
-            most: f64::from(most),
-            touches: (0..self.scene.materials.len()).map(touching).collect(),
-            rigid: self.rigid.clone(),
-        };
-        self.all(because, task);
+        let because = if self.scene.run.rates == Rates::Common { "" } else { "run.rates" };
+        self.all(because, timestep_size(self.scene));
     }
 
     fn inverse_cell(&self) -> f64 {

@@ -29,15 +29,21 @@ crate::task! { Once task TimestepSize {
 impl Body for TimestepSize {
     #[inline(always)]
     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
-        let alone = |m: usize| self.alone(&io.speed, m);
-        let clock = &mut io.time[0];
+        self.decide(&mut io.time[0], &mut io.step, &io.speed);
+    }
+}
+
+impl TimestepSize {
+    /// The tick that begins, and the steps that begin with it, from max (c + |v|), max c and max |v| of each material.
+    pub fn decide(&self, clock: &mut Clock, steps: &mut [MaterialStep], speeds: &[[Wide; 3]]) {
         if clock.number >= clock.last {
-            self.begin(clock, &io.speed);
+            self.begin(clock, speeds);
         }
-        for (m, step) in io.step.iter_mut().enumerate().filter(|(_, step)| step.last <= clock.number) {
+        for (m, step) in steps.iter_mut().enumerate().filter(|(_, step)| step.last <= clock.number) {
             let left = clock.last - clock.number;
+            let alone = self.alone(speeds, m);
             // a hair more, so that rounding does not cost a tick
-            let ticks = if self.rigid[m] { 1.0 } else { (alone(m) / clock.step * (1.0 + 1e-9)).floor() };
+            let ticks = if self.rigid[m] { 1.0 } else { (alone / clock.step * (1.0 + 1e-9)).floor() };
             let ticks = (left / (left / ticks.clamp(1.0, left)).ceil()).ceil();
             *step = MaterialStep {
                 time: clock.time,
@@ -48,9 +54,7 @@ impl Body for TimestepSize {
             };
         }
     }
-}
 
-impl TimestepSize {
     /// A new step, and the size of its ticks.
     fn begin(&self, clock: &mut Clock, speeds: &[[Wide; 3]]) {
         let of = |m: usize, kind: usize| largest(&speeds[m][kind]);

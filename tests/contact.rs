@@ -352,6 +352,29 @@ fn a_free_rigid_ball_and_what_it_hits_conserve_momentum() {
     }
 }
 
+/// Head-on against a block at rest: at any time the ball has lost what the block has gained.
+#[test]
+fn a_free_rigid_ball_slows_down_by_what_the_block_gains() {
+    let ball = ("material.left", "{ law = \"rigid\", motion = \"free\", density = 4000 }");
+    let flight = [("body.0.velocity", "[2, 0, 0]"), ("body.1.velocity", "[0, 0, 0]")];
+    for rates in ["common", "per-material"] {
+        let more = [&[ball, BALL[1], BALL[4], BALL[5], ("run.rates", rates)][..], &flight].concat();
+        let mut simulation = start(scene(BLOCKS, &more));
+        let before = simulation.report().materials;
+        let (p, mut worst, mut slowest) = (norm(before[0].momentum), 0.0f64, 2.0f64);
+        while simulation.step().unwrap_or_else(|e| panic!("{e}")) {
+            let now = simulation.report().materials;
+            let [lost, gained] =
+                [minus(before[0].momentum, now[0].momentum), minus(now[1].momentum, before[1].momentum)];
+            worst = worst.max(norm(minus(lost, gained)) / p);
+            assert!(now[0].velocity()[0] <= slowest + 1e-12, "nothing pulls the ball, or pushes it on");
+            slowest = now[0].velocity()[0];
+        }
+        println!("{rates}: the ball slows down to {slowest:.4} m/s, momentum {worst:.0e}");
+        assert!(worst < 1e-12 && slowest < 1.7);
+    }
+}
+
 #[test]
 fn a_prescribed_rigid_ball_keeps_its_velocity() {
     let ball = (

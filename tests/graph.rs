@@ -9,7 +9,7 @@ use sinew::graph::recipe::{Entry, Recipe, Why};
 use sinew::graph::task::{At, Body, Domain, Runnable};
 use sinew::input::scene::Scene;
 use sinew::simd::Simd;
-use sinew::simulation::step_graph;
+use sinew::simulation::{rates, step_graph};
 
 /// Tasks that declare and do nothing.
 macro_rules! tasks {
@@ -370,11 +370,12 @@ fn materials_that_do_not_touch_have_no_contact() {
 
 #[test]
 fn exports_have_each_task_once() {
-    let graph = step(&common::problem("slab-quick", &[]));
+    let scene = common::problem("slab-quick", &[]);
+    let (graph, cycle) = (step(&scene), rates::at_rest(&scene));
     let tasks = graph.graph.node_count();
     assert_eq!(tasks, 1 + 6 + 6 + 8 + 5 + 5);
 
-    let json = graph.to_json().to_string();
+    let json = graph.to_json(&cycle).to_string();
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let ids: std::collections::BTreeSet<u64> =
         json["tasks"].as_array().expect("tasks").iter().filter_map(|task| task["id"].as_u64()).collect();
@@ -385,7 +386,7 @@ fn exports_have_each_task_once() {
     let known = |end: &serde_json::Value| end.as_u64().is_some_and(|id| ids.contains(&id));
     assert!(edges.iter().all(|edge| known(&edge["from"]) && known(&edge["to"])));
 
-    let dot = graph.to_dot();
+    let dot = graph.to_dot(&cycle);
     assert_eq!(dot.matches('{').count(), dot.matches('}').count());
     for id in graph.graph.node_indices() {
         let task = format!("    t{} [label=\"{}\"];\n", id.index(), graph.graph[id].declaration.name);
@@ -393,6 +394,6 @@ fn exports_have_each_task_once() {
     }
     assert_eq!(dot.matches(" -> t").count(), graph.graph.edge_count());
 
-    let text = graph.to_text();
+    let text = graph.to_text(&cycle);
     assert_eq!(text.lines().filter(|line| line.starts_with("  ")).count(), tasks, "{text}");
 }

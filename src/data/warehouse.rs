@@ -4,7 +4,7 @@
 //! that safe. Node fields exist only in blocks that a material touches.
 use super::label::Home;
 use super::labels::{LABELS, LabelId};
-use super::nodes::{NOWHERE, NodeBlock};
+use super::nodes::{NODES, NOWHERE, NodeBlock};
 use super::particles::{Layout, ParticleBlock};
 use super::reduction;
 use crate::grid::{BlockIndex, Decomposition, IndexBox, Level, add, around};
@@ -263,6 +263,11 @@ impl Warehouse {
             counts[(block.index[0] - all.lower[0]) as usize] += 1;
         }
         counts
+    }
+
+    /// Number of nodes in active blocks.
+    pub fn node_count(&self) -> usize {
+        NODES * self.nodes.iter().map(|patch| patch.blocks.len()).sum::<usize>()
     }
 
     /// Bytes of particle and of node data.

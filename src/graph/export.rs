@@ -1,15 +1,54 @@
 //! The graph for people and for programs: text, dot, JSON.
 use super::build::TaskGraph;
+use super::fuse::{Stage, When};
 use super::recipe::Why;
 use super::task::{Access, Domain, Mode};
 use petgraph::visit::{EdgeRef, IntoEdgeReferences};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
+/// How the steps of materials nest, as plain numbers from who knows the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycle {
+    /// The most ticks in a step, if materials take steps of their own.
+    pub most: Option<u32>,
+    /// Estimated size of a tick [s].
+    pub tick: f64,
+    /// The material that the tick suits.
+    pub fastest: usize,
+    /// What each material would take now.
+    pub own: Vec<OwnStep>,
+}
+
+/// An estimated step of a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnStep {
+    /// Its size [s].
+    pub size: f64,
+    /// Its size in ticks.
+    pub ticks: u64,
+}
+
+impl Cycle {
+    /// Whether a stage belongs to a material that waits for others.
+    fn waits(&self, stage: &Stage) -> bool {
+        self.most.is_some() && stage.material.is_some_and(|m| self.own[m].ticks > 1)
+    }
+}
+
 impl TaskGraph {
-    /// One line a task, stage by stage.
-    pub fn to_text(&self) -> String {
+    /// One line a task, stage by stage; inside of the tick, if materials take steps of their own.
+    pub fn to_text(&self, cycle: &Cycle) -> String {
         let mut out = String::new();
+        let indent = if let Some(most) = cycle.most {
+            let _ = writeln!(out, "step: until all materials are together again");
+            let _ = writeln!(out, "  {}", self.estimate(cycle));
+            let times = if most == 1 { "once".to_owned() } else { format!("repeated, at most {most} times") };
+            let _ = writeln!(out, "  tick: {times}");
+            "    "
+        } else {
+            ""
+        };
         for (number, phase) in self.phases.iter().enumerate() {
             for stage in &phase.stages {
                 let material =
@@ -19,36 +58,62 @@ impl TaskGraph {
                     Domain::Once => "once",
                     _ => "particles, fused chunk by chunk",
                 };
-                let _ = writeln!(out, "phase {number}: {how}{material}");
+                let when = match (cycle.most, stage.domain) {
+                    (None, _) => String::new(),
+                    (_, Domain::Once) => format!(" {}", when(stage)),
+                    _ => format!(": {}", when(stage)),
+                };
+                let _ = writeln!(out, "{indent}phase {number}: {how}{material}{when}");
                 for &node in &stage.nodes {
                     let declaration = &self.graph[node].declaration;
                     let near =
                         if declaration.domain == Domain::NearParticles { " (near others)" } else { "" };
                     let (reads, writes) = describe(declaration.access);
-                    let _ = writeln!(out, "  {:<20}{reads} -> {writes}{near}", declaration.name);
+                    let _ = writeln!(out, "{indent}  {:<20}{reads} -> {writes}{near}", declaration.name);
                 }
             }
         }
         let carried: Vec<&str> = self.carried.iter().map(|l| l.name()).collect();
-        let _ = writeln!(out, "carried to the next step: {}", carried.join(", "));
+        let next = if cycle.most.is_some() { "tick" } else { "step" };
+        let _ = writeln!(out, "carried to the next {next}: {}", carried.join(", "));
         let pruned = if self.pruned.is_empty() { "nothing".to_owned() } else { self.pruned.join(", ") };
         let _ = writeln!(out, "pruned: {pruned}");
         out
     }
 
-    /// Graphviz, one cluster a fused stage: solid edges carry data, dashed ones protect what is still read.
-    pub fn to_dot(&self) -> String {
+    /// The estimated steps of the materials, in a line.
+    fn estimate(&self, cycle: &Cycle) -> String {
+        let one = |(name, own): (&String, &OwnStep)| match own.ticks {
+            1 => format!("{name} 1 tick"),
+            n => format!("{name} {n} ticks ({:.3e} s)", own.size),
+        };
+        let steps: Vec<String> = self.recipe.materials.iter().zip(&cycle.own).map(one).collect();
+        format!(
+            "rates (estimates at rest; the run decides anew each step): tick {:.3e} s; {}",
+            cycle.tick,
+            steps.join(", ")
+        )
+    }
+
+    /// Graphviz, one cluster a fused stage: solid edges carry data, dashed ones protect what is still read. If materials
+    /// take steps of their own, a cluster of the tick holds all stages but those of the materials that wait.
+    pub fn to_dot(&self, cycle: &Cycle) -> String {
         let mut out =
             String::from("digraph step {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans-serif\"];\n");
-        let stages = self.phases.iter().flat_map(|p| &p.stages);
-        for (number, stage) in stages.enumerate() {
-            let material = stage.material.map_or("all materials", |m| &self.recipe.materials[m]);
-            let _ = writeln!(out, "  subgraph cluster_{number} {{ label=\"{:?}, {material}\";", stage.domain);
-            for &node in &stage.nodes {
-                let _ =
-                    writeln!(out, "    t{} [label=\"{}\"];", node.index(), self.graph[node].declaration.name);
-            }
+        let stages: Vec<(usize, &Stage)> = self.phases.iter().flat_map(|p| &p.stages).enumerate().collect();
+        if let Some(most) = cycle.most {
+            let (slow, fast): (Vec<_>, Vec<_>) = stages.iter().partition(|(_, stage)| cycle.waits(stage));
+            out.push_str(
+                "  subgraph cluster_step { label=\"step: until all materials are together again\";\n",
+            );
+            let _ =
+                writeln!(out, "  subgraph cluster_tick {{ label=\"tick: repeated, at most {most} times\";");
+            fast.into_iter().for_each(|(number, stage)| self.dot_stage(number, stage, cycle, &mut out));
             out.push_str("  }\n");
+            slow.into_iter().for_each(|(number, stage)| self.dot_stage(number, stage, cycle, &mut out));
+            out.push_str("  }\n");
+        } else {
+            stages.into_iter().for_each(|(number, stage)| self.dot_stage(number, stage, cycle, &mut out));
         }
         for edge in self.graph.edge_references() {
             let ghost = match edge.weight().ghost {
@@ -64,12 +129,30 @@ impl TaskGraph {
         out
     }
 
-    /// Tasks, stages and edges as JSON.
-    pub fn to_json(&self) -> Value {
+    fn dot_stage(&self, number: usize, stage: &Stage, cycle: &Cycle, out: &mut String) {
+        let material = stage.material.map_or("all materials", |m| &self.recipe.materials[m]);
+        let about = |m: usize| format!(", about every {} ticks", cycle.own[m].ticks);
+        let often = stage.material.filter(|_| cycle.waits(stage)).map_or(String::new(), about);
+        let when = cycle.most.map_or(String::new(), |_| format!(": {}{often}", when(stage)));
+        let _ =
+            writeln!(out, "  subgraph cluster_{number} {{ label=\"{:?}, {material}{when}\";", stage.domain);
+        for &node in &stage.nodes {
+            let _ = writeln!(out, "    t{} [label=\"{}\"];", node.index(), self.graph[node].declaration.name);
+        }
+        out.push_str("  }\n");
+    }
+
+    /// Tasks, stages, edges and rates as JSON.
+    pub fn to_json(&self, cycle: &Cycle) -> Value {
         let place = |node| {
             let mut stages =
                 self.phases.iter().enumerate().flat_map(|(p, ph)| ph.stages.iter().map(move |s| (p, s)));
-            stages.find(|(_, s)| s.nodes.contains(&node)).map(|(p, _)| p)
+            stages.find(|(_, s)| s.nodes.contains(&node))
+        };
+        let moment = |stage: &Stage| match (stage.domain, stage.when) {
+            (Domain::Once | Domain::Nodes, _) => "tick",
+            (_, When::Begin) => "begin",
+            (_, When::End) => "end",
         };
         let tasks = self.graph.node_indices().map(|n| {
             let node = &self.graph[n];
@@ -79,7 +162,7 @@ impl TaskGraph {
             json!({
                 "id": n.index(), "task": node.declaration.name,
                 "material": node.material.map(|m| &self.recipe.materials[m]),
-                "domain": format!("{:?}", node.declaration.domain), "phase": place(n),
+                "domain": format!("{:?}", node.declaration.domain), "phase": place(n).map(|(phase, _)| phase), "when": place(n).map(|(_, stage)| moment(stage)),
                 "because": self.recipe.entries[node.entry].because,
                 "access": access.collect::<Vec<_>>(),
             })
@@ -91,7 +174,14 @@ impl TaskGraph {
                 "material": self.recipe.materials.get(w.material), "why": format!("{:?}", w.why), "ghost": w.ghost,
             })
         });
+        let own = self.recipe.materials.iter().zip(&cycle.own);
+        let own = own.map(|(name, own)| json!({ "material": name, "step_s": own.size, "ticks": own.ticks }));
+        let mode = if cycle.most.is_some() { "per-material" } else { "common" };
         json!({
+            "rates": {
+                "mode": mode, "most": cycle.most.unwrap_or(1), "tick_s": cycle.tick,
+                "estimated_at_rest": own.collect::<Vec<_>>(),
+            },
             "tasks": tasks.collect::<Vec<_>>(), "edges": edges.collect::<Vec<_>>(), "pruned": self.pruned,
             "carried": self.carried.iter().map(|l| l.name()).collect::<Vec<_>>(),
         })
@@ -101,6 +191,16 @@ impl TaskGraph {
     pub fn why(&self, name: &str) -> Vec<(String, String)> {
         let matching = self.graph.node_weights().filter(|n| n.declaration.name.eq_ignore_ascii_case(name));
         matching.map(|n| (n.name.clone(), self.recipe.entries[n.entry].because.clone())).collect()
+    }
+}
+
+/// When a stage runs, where materials take steps of their own.
+fn when(stage: &Stage) -> &'static str {
+    match (stage.domain, stage.when) {
+        (Domain::Once, _) => "each tick",
+        (Domain::Nodes, _) => "in blocks where the step of a material ends",
+        (_, When::Begin) => "when its step begins",
+        (_, When::End) => "when its step ends",
     }
 }
 

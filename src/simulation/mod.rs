@@ -4,6 +4,7 @@ mod hash;
 pub mod ledger;
 mod meter;
 mod populate;
+pub mod rates;
 pub mod recorder;
 mod snapshot;
 

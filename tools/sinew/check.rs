@@ -2,9 +2,10 @@
 use super::fail::Failure;
 use super::progress::duration;
 use super::run::SceneArgs;
+use sinew::input::scene::Scene;
 use sinew::simd::Isa;
-use sinew::simulation::Simulation;
-use std::time::Instant;
+use sinew::simulation::{Simulation, rates};
+use std::time::{Duration, Instant};
 
 /// Validate a scene; print particles, cells, memory, steps and the predicted wall time
 #[derive(clap::Args)]
@@ -16,8 +17,8 @@ pub struct Args {
     validate_only: bool,
 }
 
-/// Steps that are tried to predict the wall time.
-const TRIAL: u32 = 5;
+/// Steps that are tried to predict the wall time: at least so many, and for as long.
+const TRIAL: (u64, Duration) = (5, Duration::from_secs(1));
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
@@ -36,33 +37,66 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.validate_only {
         return Ok(());
     }
+    if let Some(rates) = own_steps(&scene) {
+        println!("rates          {rates} (an estimate at rest)");
+    }
     let (until, most) = (scene.run.until, scene.run.steps);
     let mut simulation = Simulation::new(scene, isa)?;
-    let mut step = || simulation.step();
-    step()?;
-    let began = Instant::now();
-    for _ in 0..TRIAL {
-        step()?;
-    }
-    let seconds = began.elapsed().as_secs_f64() / f64::from(TRIAL);
+    simulation.step()?;
     let (particle_bytes, node_bytes) = simulation.bytes();
-    let particles = simulation.warehouse.particle_count();
+    let (particles, nodes) = (simulation.warehouse.particle_count(), simulation.warehouse.node_count());
     let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
     println!(
-        "memory         {:.0} MiB of particles ({} bytes each), {:.0} MiB of nodes",
+        "memory         {:.0} MiB of particles ({} bytes each), {:.0} MiB of nodes ({} bytes each in active blocks)",
         mib(particle_bytes),
         particle_bytes / particles.max(1),
-        mib(node_bytes)
+        mib(node_bytes),
+        node_bytes / nodes.max(1)
     );
-    let clock = simulation.clock();
-    let by_time = (until / clock.step).ceil();
-    let steps = most.map_or(by_time, |most| by_time.min(most as f64));
-    println!("step           {:.3e} s at the start; {steps:.0} steps, if it stays so", clock.step);
+    let (start, ticks, steps, updates) = state(&simulation);
+    let began = Instant::now();
+    while simulation.steps() < steps + TRIAL.0 || began.elapsed() < TRIAL.1 {
+        if !simulation.step()? {
+            break;
+        }
+    }
+    let spent = began.elapsed().as_secs_f64();
+    let (time, last_tick, last, updated) = state(&simulation);
+    if last == steps {
+        println!("step           the run ends with step {last}");
+        return Ok(());
+    }
+    // steps as they are, with all ticks that each takes
+    let tried = (last - steps) as f64;
+    let (step, seconds) = ((time - start) / tried, spent / tried);
+    let by_time = (until / step).ceil();
+    let all = most.map_or(by_time, |most| by_time.min(most as f64));
+    let of_ticks = match (last_tick - ticks) as f64 / tried {
+        1.0 => String::new(),
+        ticks => format!(" in {ticks:.1} ticks"),
+    };
+    println!("step           {step:.3e} s{of_ticks} at the start; {all:.0} steps, if it stays so");
     println!(
-        "wall time      about {} ({:.2} million particle updates a second on {} threads, {TRIAL} steps tried)",
-        duration(steps * seconds),
-        particles as f64 / seconds / 1e6,
+        "wall time      about {} ({:.2} million particle updates a second on {} threads, {tried} steps tried)",
+        duration(all * seconds),
+        (updated - updates) as f64 / spent / 1e6,
         simulation.threads()
     );
     Ok(())
+}
+
+/// Time, ticks, steps, and particles moved.
+fn state(simulation: &Simulation) -> (f64, u64, u64, u64) {
+    (simulation.clock().time, simulation.ticks(), simulation.steps(), simulation.updates())
+}
+
+/// The steps of materials in those of the fastest, if each takes its own: an estimate.
+fn own_steps(scene: &Scene) -> Option<String> {
+    let cycle = rates::at_rest(scene);
+    cycle.most?;
+    let fastest = &scene.materials[cycle.fastest].name;
+    let slower = scene.materials.iter().zip(&cycle.own).filter(|(_, own)| own.ticks > 1);
+    let slower: Vec<String> =
+        slower.map(|(m, own)| format!("{} every {} ticks of {fastest}", m.name, own.ticks)).collect();
+    Some(if slower.is_empty() { "all materials every tick".to_owned() } else { slower.join(", ") })
 }

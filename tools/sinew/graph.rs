@@ -2,7 +2,7 @@
 use super::fail::Failure;
 use super::run::SceneArgs;
 use sinew::grid::{Decomposition, Level};
-use sinew::simulation::step_graph;
+use sinew::simulation::{rates, step_graph};
 
 /// Output form.
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -50,10 +50,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
         return Ok(());
     }
+    let cycle = rates::at_rest(&scene);
     match args.format {
-        Format::Text => print!("{}", graph.to_text()),
-        Format::Dot => print!("{}", graph.to_dot()),
-        Format::Json => println!("{:#}", graph.to_json()),
+        Format::Text => print!("{}", graph.to_text(&cycle)),
+        Format::Dot => print!("{}", graph.to_dot(&cycle)),
+        Format::Json => println!("{:#}", graph.to_json(&cycle)),
     }
     Ok(())
 }

@@ -1,0 +1,51 @@
+//! The steps that materials would take if the run began now: an estimate from the scene alone.
+use crate::data::shared::{Clock, MaterialStep};
+use crate::graph::export::{Cycle, OwnStep};
+use crate::input::scene::{Behavior, Rates, RigidMotion, Scene};
+use crate::physics::law::Law;
+use crate::physics::materials::WithLaw;
+use crate::simd::{LANES, Wide};
+use crate::tasks::timestep;
+use bytemuck::Zeroable;
+
+/// Steps at rest: undeformed, c² = (K + 4/3 μ)/ρ₀, with the velocities of the bodies. A run decides anew each step.
+pub fn at_rest(scene: &Scene) -> Cycle {
+    let speeds: Vec<[f64; 2]> = (0..scene.materials.len()).map(|m| speeds(scene, m)).collect();
+    let lines: Vec<[Wide; 3]> =
+        speeds.iter().map(|[c, v]| [c + v, *c, *v].map(|speed| Wide([speed; LANES]))).collect();
+    let mut clock = Clock { until: scene.run.until, ..Clock::zeroed() };
+    let mut steps = vec![MaterialStep::zeroed(); speeds.len()];
+    timestep::timestep_size(scene).decide(&mut clock, &mut steps, &lines);
+    let signal = |m: &usize| speeds[*m].iter().sum::<f64>();
+    let fastest = (0..speeds.len()).max_by(|a, b| signal(a).total_cmp(&signal(b))).unwrap_or(0);
+    let own = steps.iter().map(|step| OwnStep { size: step.size, ticks: (step.last - step.first) as u64 });
+    let most = match scene.run.rates {
+        Rates::Common => None,
+        Rates::PerMaterial { most } => Some(most),
+    };
+    Cycle { most, tick: clock.step, fastest, own: own.collect() }
+}
+
+/// The speed of sound at rest, and of the fastest body [m/s].
+fn speeds(scene: &Scene, material: usize) -> [f64; 2] {
+    let it = &scene.materials[material];
+    let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let bodies = scene.bodies.iter().filter(|body| body.material == material);
+    let bodies = bodies.map(|body| size(body.velocity)).fold(0.0, f64::max);
+    match &it.behavior {
+        Behavior::Deformable(law) => [(law.visit(WaveModulus) / it.density).sqrt(), bodies],
+        Behavior::Rigid(RigidMotion::Free { .. }) => [0.0, bodies],
+        Behavior::Rigid(RigidMotion::Prescribed { velocity, .. }) => [0.0, size(velocity.at(0.0))],
+    }
+}
+
+/// K + 4/3 μ [Pa]
+struct WaveModulus;
+
+impl WithLaw for WaveModulus {
+    type Output = f64;
+    fn with<L: Law>(self, law: L) -> f64 {
+        let (bulk, shear) = law.moduli();
+        bulk + 4.0 / 3.0 * shear
+    }
+}
