@@ -80,7 +80,7 @@ impl Contact {
             let slot = |material: usize| at.fields.iter().position(|f| f.material as usize == material);
             let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
             let elapsed = [at.fields[a].elapsed, at.fields[b].elapsed];
-            let mut pushed = [[0.0; 7]; 2];
+            let mut pushed = [[0.0; 6]; 2];
             for n in 0..NODES {
                 let lines = [NODES * a + n, NODES * b + n];
                 if lines.iter().any(|&line| io.sums[line].0[0] <= self.least_mass) {
@@ -107,14 +107,14 @@ impl Contact {
                         record.0[4 + a] += sign * exchange.friction[a];
                     }
                     if self.rigid[pair.between[i]] {
-                        push(&mut pushed[i], impulse, node, &io.bodies[pair.between[i]], masses[1 - i]);
+                        push(&mut pushed[i], impulse, node, &io.bodies[pair.between[i]]);
                     } else {
                         change(&mut io.motion[lines[i]], impulse.map(|p| p / masses[i]));
                     }
                 }
             }
             for (i, pushed) in pushed.iter().enumerate().filter(|(i, _)| self.rigid[pair.between[*i]]) {
-                let sums: &mut [ExactSum; 7] = &mut io.on_bodies[pair.between[i]];
+                let sums: &mut [ExactSum; 6] = &mut io.on_bodies[pair.between[i]];
                 sums.iter_mut().zip(pushed).for_each(|(sum, &x)| sum.add(x));
             }
         }
@@ -138,7 +138,7 @@ impl Contact {
         bodies: &[RigidState],
     ) -> Option<(Exchange, [f64; 2])> {
         let [a, b] = sides;
-        let (normal, area) = self.normal(sides)?;
+        let (normal, area) = self.normal(sides, bodies)?;
         let gap = self.gap(a, b, node);
         if gap > pair.gap {
             return None;
@@ -176,11 +176,16 @@ impl Contact {
         self.surfaces[side.material].surface(dot(n, center) / self.lattice.cell)
     }
 
-    /// Unit normal from a to b, and Σ V |∇S| of both sides. A rigid body's surface is known best: where one side is
-    /// rigid, its normal counts, so that the edges of the other side do not plow.
-    fn normal(&self, [a, b]: &[Side<'_>; 2]) -> Option<([f64; 3], f64)> {
+    /// Whether a side moves as prescribed, whatever meets it.
+    fn held(&self, side: &Side<'_>, bodies: &[RigidState]) -> bool {
+        self.rigid[side.material] && bodies[side.material].free == 0.0
+    }
+
+    /// Unit normal from a to b, and Σ V |∇S| of both sides. A tool's surface is known best: where one side moves as
+    /// prescribed, its normal counts, so that the edges of the other side do not plow.
+    fn normal(&self, [a, b]: &[Side<'_>; 2], bodies: &[RigidState]) -> Option<([f64; 3], f64)> {
         let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
-        let direction = match [a, b].map(|side| self.rigid[side.material]) {
+        let direction = match [a, b].map(|side| self.held(side, bodies)) {
             [true, false] => a.outward(),
             [false, true] => b.outward().map(|g| -g),
             _ => difference,
@@ -190,18 +195,17 @@ impl Contact {
         (length > 0.0 && area > 0.0).then(|| (direction.map(|d| d / length), area))
     }
 
-    /// m_a m_b / (m_a + m_b). A rigid body counts with the share of its mass that its contact at this node has in
-    /// all of its contact (as of the last step), so that many nodes together cannot push it back too far.
+    /// m_a m_b / (m_a + m_b), with the masses at the node: a free rigid body meets others as a deformable one does. What
+    /// moves as prescribed is infinitely heavy. Two rigid bodies do not interact.
     fn reduced_mass(&self, sides: &[Side<'_>; 2], masses: [f64; 2], bodies: &[RigidState]) -> Option<f64> {
         let [a, b] = masses;
-        let against = |body: &RigidState, m: f64| {
-            if body.free > 0.0 { m * body.mass / (body.mass + body.touched.max(m)) } else { m }
-        };
-        match [0, 1].map(|i| self.rigid[sides[i].material]) {
-            [false, false] => Some(a * b / (a + b)),
-            [true, false] => Some(against(&bodies[sides[0].material], b)),
-            [false, true] => Some(against(&bodies[sides[1].material], a)),
-            [true, true] => None,
+        if sides.iter().all(|side| self.rigid[side.material]) {
+            return None;
+        }
+        match [0, 1].map(|i| self.held(&sides[i], bodies)) {
+            [true, _] => Some(b),
+            [_, true] => Some(a),
+            _ => Some(a * b / (a + b)),
         }
     }
 }
@@ -212,13 +216,12 @@ fn unit(g: [f64; 3], least: f64) -> [f64; 3] {
     if length > least { g.map(|x| x / length) } else { [0.0; 3] }
 }
 
-/// Adds an impulse at a node to what a rigid body receives: impulse, torque about its center, mass touched.
-fn push(sums: &mut [f64; 7], impulse: [f64; 3], node: [f64; 3], body: &RigidState, mass: f64) {
+/// Adds an impulse at a node to what a rigid body receives: impulse, torque about its center.
+fn push(sums: &mut [f64; 6], impulse: [f64; 3], node: [f64; 3], body: &RigidState) {
     let r: [f64; 3] = std::array::from_fn(|a| node[a] - body.center[a]);
     for a in 0..3 {
         let (b, c) = ((a + 1) % 3, (a + 2) % 3);
         sums[a] += impulse[a];
         sums[3 + a] += r[b] * impulse[c] - r[c] * impulse[b];
     }
-    sums[6] += mass;
 }

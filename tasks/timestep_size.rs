@@ -67,7 +67,7 @@ impl TimestepSize {
 
         let left = clock.until - clock.time;
         let ticks = (longest.min(left) / tick).ceil().clamp(1.0, self.most);
-        let stable = if ticks > 1.0 { longest.min(ticks * tick) } else { tick };
+        let stable = if self.most > 1.0 { longest.min(ticks * tick) } else { tick };
         let limited_by = if ticks > 1.0 { slowest } else { fastest };
         let whole;
         (whole, clock.limited_by) = if stable < left { (stable, limited_by as f64) } else { (left, -1.0) };

@@ -23,7 +23,7 @@ impl Work {
 
     /// Counts what a body whose motion is prescribed does on the matter: `sums` are the impulse and the torque impulse
     /// that it receives.
-    pub fn hold(&mut self, body: &RigidState, sums: &[f64; 7]) {
+    pub fn hold(&mut self, body: &RigidState, sums: &[f64; 6]) {
         for a in 0..3 {
             self.work -= sums[a] * body.velocity[a] + sums[3 + a] * body.angular[a];
             self.impulse[a] -= sums[a];

@@ -78,19 +78,15 @@ fn counting_is_not_among_the_sets_of_a_machine() {
 }
 
 #[test]
-fn ceilings_are_positive_and_cores_do_not_hinder_each_other() {
+fn ceilings_are_numbers() {
     let _quiet = quiet();
-    let all = sinew::simulation::available_threads();
     for isa in Isa::available() {
-        // other work on the machine may disturb a measurement, but not three
-        let together = (0..3).any(|_| {
-            let (one, all) = (Ceiling::measure(1, isa), Ceiling::measure(all, isa));
-            println!("{isa:?}: {one:?}, {all:?}");
-            let rates = |c: &Ceiling| [c.fma_gflop_per_s, c.copy_gb_per_s];
-            assert!(rates(&one).iter().chain(&rates(&all)).all(|rate| *rate > 0.0 && rate.is_finite()));
-            rates(&one).iter().zip(rates(&all)).all(|(one, all)| all > 0.8 * one)
-        });
-        assert!(together, "{isa:?}");
+        for threads in [1, sinew::simulation::available_threads()] {
+            let ceiling = Ceiling::measure(threads, isa);
+            println!("{isa:?}: {ceiling:?}");
+            let rates = [ceiling.fma_gflop_per_s, ceiling.copy_gb_per_s];
+            assert!(rates.iter().all(|rate| *rate > 0.0 && rate.is_finite()));
+        }
     }
 }
 

@@ -63,6 +63,8 @@ pub fn bench(
     progress("steps on one thread and on all");
     let calibration = Calibration::measure();
     let [mut one, mut all] = bench.steps()?;
+    progress("order of summation");
+    let order = super::order::order(bench.simulation);
     progress("counted step");
     let counted = bench.counted()?;
     let findings = Findings {
@@ -82,6 +84,7 @@ pub fn bench(
         one_thread: one.timing(),
         all_threads: all.timing(),
         sweeps,
+        order: Some(order),
         ..Report::default()
     };
     report.speedup = report.all_threads.best_updates_per_s / report.one_thread.best_updates_per_s;

@@ -6,6 +6,7 @@
 pub mod ceilings;
 pub mod compare;
 pub mod measure;
+pub mod order;
 pub mod report;
 pub mod rows;
 mod table;

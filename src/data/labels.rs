@@ -50,7 +50,7 @@ labels! {
     Step:             Material, MaterialStep, "s",    "the step of its own that a material is in";
     Fault:            Material First, Wide, "mixed",  "first inadmissible particle: kind, identity, value";
     FirstFailure:     Material First, [Wide; 2], "mixed", "time, identity, place of the first matrix and fiber failure";
-    RigidImpulse:     Material Sum, [ExactSum; 7], "N s, N m s, kg", "impulse and torque impulse on a rigid body, mass it touches";
+    RigidImpulse:     Material Sum, [ExactSum; 6], "N s, N m s", "impulse and torque impulse on a rigid body";
     RigidMotion:      Material, RigidState, "mixed",  "state of a rigid body";
     MaterialEnergy:   Material Sum, [ExactSum; 5], "J", "kinetic, strain, plastic, fracture, viscous";
     MaterialMotion:   Material Sum, [ExactSum; 10], "mixed", "m, m v (3), m x (3), m x cross v (3)";

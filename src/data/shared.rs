@@ -57,10 +57,8 @@ pub struct RigidState {
     pub inertia: [f64; 9],
     /// 1: moved by contact and loads, 0: motion prescribed.
     pub free: f64,
-    /// Mass of the matter that it touched in the last step [kg].
-    pub touched: f64,
     /// Makes whole cache lines.
-    pub unused: [f64; 2],
+    pub unused: [f64; 3],
 }
 
 impl RigidState {

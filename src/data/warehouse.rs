@@ -56,13 +56,18 @@ impl ParticlePatch {
 }
 
 impl NodePatch {
+    /// Positions of the blocks in some layers along x; `first` is the first layer of the patch.
+    pub fn slab(&self, first: i32, wanted: &Range<i32>) -> Range<usize> {
+        positions(&self.layers, first, wanted)
+    }
+
     /// The blocks in some layers along x, with the materials at each; `first` is the first layer of the patch.
     pub fn slab_mut(
         &mut self,
         first: i32,
         wanted: &Range<i32>,
     ) -> impl Iterator<Item = (u64, &mut NodeBlock)> {
-        let positions = positions(&self.layers, first, wanted);
+        let positions = self.slab(first, wanted);
         self.present[positions.clone()].iter().copied().zip(&mut self.blocks[positions])
     }
 }

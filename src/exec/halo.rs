@@ -23,7 +23,7 @@ fn shared_nodes(d: i32) -> (Range<i32>, i32) {
 /// Runs `each(nodes, buffer lines)` on every pencil along z that a block shares with the `touched` part of the buffer
 /// of the one at `d`.
 #[inline(always)]
-fn pencils(d: [i32; 3], touched: &IndexBox, mut each: impl FnMut(Range<usize>, Range<usize>)) {
+pub fn pencils(d: [i32; 3], touched: &IndexBox, mut each: impl FnMut(Range<usize>, Range<usize>)) {
     let (mut nodes, mut shift) = ([(0, 0); 3], [0; 3]);
     for a in 0..3 {
         let (shared, to_buffer) = shared_nodes(d[a]);
@@ -163,7 +163,7 @@ impl<'a> MotionAround<'a> {
 
 /// Seen from the `q`-th block around, this one lies the other way.
 #[inline(always)]
-fn back(q: usize) -> [i32; 3] {
+pub fn back(q: usize) -> [i32; 3] {
     let [x, y, z] = offset(q);
     [-x, -y, -z]
 }

@@ -29,8 +29,6 @@ impl Body for RigidMotion {
         let mut work = Work::default();
         for (material, body) in io.bodies.iter_mut().enumerate().filter(|(_, b)| b.mass > 0.0) {
             let sums = io.impulse[material].each_ref().map(|sum| sum.value());
-            // contact acts twice a step
-            body.touched = 0.5 * sums[6];
             if let Some(table) = &self.prescribed[material] {
                 // whatever holds the body on its way receives what the matter exchanges with it
                 work.hold(body, &sums);
