@@ -32,7 +32,9 @@ impl Body for Viscosity {
             let (density, j) = (m / v.max(tiny), v / v0.max(tiny));
             let c = (S::load(stiffness) * v0 / m.max(tiny)).sqrt();
             let rate = S::load(&l[0]) + S::load(&l[4]) + S::load(&l[8]);
-            let pressure = j * self.law.pressure(density, c, rate, cell);
+            // what carries no stress any more carries no viscous stress either
+            let carries = S::splat(0.0).lt(S::load(stiffness));
+            let pressure = S::select(carries, j * self.law.pressure(density, c, rate, cell), S::splat(0.0));
             for component in [0, 3, 5] {
                 (S::load(&tau[component]) - pressure).store(&mut tau[component]);
             }

@@ -370,7 +370,9 @@ fn a_free_rigid_ball_slows_down_by_what_the_block_gains() {
             pulled = pulled.max(now[0].velocity()[0] - slowest);
             slowest = slowest.min(now[0].velocity()[0]);
         }
-        println!("{rates}: the ball slows down to {slowest:.4} m/s, momentum {worst:.0e}, sped up by {pulled:.1e} m/s");
+        println!(
+            "{rates}: the ball slows down to {slowest:.4} m/s, momentum {worst:.0e}, sped up by {pulled:.1e} m/s"
+        );
         assert!(worst < 1e-12 && slowest < 1.7);
         assert!(pulled < 5e-5, "nothing pulls the ball but rim nodes whose normals lean");
     }

@@ -4,10 +4,10 @@
 //! that safe. Node fields exist only in blocks that a material touches.
 use super::label::Home;
 use super::labels::{LABELS, LabelId};
-use super::nodes::{NODES, NOWHERE, NodeBlock};
+use super::nodes::{NODES, NodeBlock};
 use super::particles::{Layout, ParticleBlock};
 use super::reduction;
-use crate::grid::{BlockIndex, Decomposition, IndexBox, Level, add, around};
+use crate::grid::{BlockIndex, Decomposition, IndexBox, Level};
 use crate::simd::Wide;
 use bytemuck::Pod;
 use std::ops::Range;
@@ -41,13 +41,25 @@ pub struct ParticlePatch {
 pub struct NodePatch {
     /// The blocks.
     pub blocks: Vec<NodeBlock>,
-    lookup: Vec<u32>,
     layers: Vec<u32>,
     /// The materials at each block, one bit each.
     present: Vec<u64>,
 }
 
 impl ParticlePatch {
+    /// Drops empty blocks, and sorts the others.
+    pub(super) fn settle(&mut self, patch: IndexBox) {
+        self.blocks.retain(|block| block.count > 0);
+        self.blocks.sort_by_key(|block| block.index);
+        self.lookup.fill(0);
+        for (position, block) in (1..).zip(&self.blocks) {
+            if let Some(at) = patch.offset(block.index) {
+                self.lookup[at] = position;
+            }
+        }
+        fill_layers(&mut self.layers, patch, self.blocks.iter().map(|block| block.index));
+    }
+
     /// The blocks in some layers along x; `first` is the first layer of the patch.
     pub fn slab_mut(&mut self, first: i32, wanted: &Range<i32>) -> &mut [ParticleBlock] {
         let positions = positions(&self.layers, first, wanted);
@@ -56,6 +68,13 @@ impl ParticlePatch {
 }
 
 impl NodePatch {
+    /// Notes where layers begin, and who is where.
+    pub(super) fn settle(&mut self, patch: IndexBox) {
+        fill_layers(&mut self.layers, patch, self.blocks.iter().map(|block| block.index));
+        self.present.clear();
+        self.present.extend(self.blocks.iter().map(NodeBlock::bits));
+    }
+
     /// Positions of the blocks in some layers along x; `first` is the first layer of the patch.
     pub fn slab(&self, first: i32, wanted: &Range<i32>) -> Range<usize> {
         positions(&self.layers, first, wanted)
@@ -99,12 +118,9 @@ impl Warehouse {
         let patches = decomposition.patches.len();
         let empty = vec![ParticlePatch::default(); materials.len()];
         let mut particles = vec![empty; patches];
-        let mut nodes = vec![NodePatch::default(); patches];
-        for (patch, (particles, nodes)) in
-            decomposition.patches.iter().zip(particles.iter_mut().zip(&mut nodes))
-        {
+        let nodes = vec![NodePatch::default(); patches];
+        for (patch, particles) in decomposition.patches.iter().zip(&mut particles) {
             particles.iter_mut().for_each(|p| p.lookup = vec![0; patch.blocks.len()]);
-            nodes.lookup = vec![0; patch.blocks.len()];
         }
         let shared = Shared::new(materials.len());
         Self { level, decomposition, materials, particles, nodes, shared, stale: true, own_rates: false }
@@ -143,123 +159,6 @@ impl Warehouse {
         Ok(())
     }
 
-    /// Rebuilds what follows from the set of occupied blocks: order, node blocks, neighbors.
-    pub fn activate(&mut self) {
-        for (patch, particles) in self.decomposition.patches.iter().zip(&mut self.particles) {
-            for material in particles {
-                material.blocks.retain(|block| block.count > 0);
-                material.blocks.sort_by_key(|block| block.index);
-                fill_lookup(&mut material.lookup, patch.blocks, material.blocks.iter().map(|b| b.index));
-                fill_layers(&mut material.layers, patch.blocks, material.blocks.iter().map(|b| b.index));
-            }
-        }
-        self.activate_nodes();
-        self.link();
-        self.mark_near();
-        self.stale = false;
-    }
-
-    /// Node blocks: wherever a material's occupied block, or a neighbor of one, lies.
-    fn activate_nodes(&mut self) {
-        let mut touched: Vec<Vec<u64>> =
-            self.decomposition.patches.iter().map(|p| vec![0; p.blocks.len()]).collect();
-        for (material, block) in self.particles.iter().flat_map(|patch| {
-            patch.iter().enumerate().flat_map(|(m, p)| p.blocks.iter().map(move |block| (m, block)))
-        }) {
-            for index in around().map(|d| add(block.index, d)) {
-                let Some(patch) = self.decomposition.owner(index) else { continue };
-                if let Some(at) = self.decomposition.patches[patch].blocks.offset(index) {
-                    touched[patch][at] |= 1 << material;
-                }
-            }
-        }
-        for ((patch, nodes), touched) in self.decomposition.patches.iter().zip(&mut self.nodes).zip(touched) {
-            let materials = |bits: u64| (0..64).filter(|m| bits >> m & 1 == 1).collect::<Vec<u8>>();
-            // both lists are in x-major order: a block that stays as it was keeps its memory
-            let mut old = std::mem::take(&mut nodes.blocks).into_iter().peekable();
-            for (index, bits) in patch.blocks.iter().zip(touched).filter(|&(_, bits)| bits != 0) {
-                while old.next_if(|block| block.index < index).is_some() {}
-                nodes.blocks.push(match old.next_if(|block| block.index == index) {
-                    Some(block) if block.bits() == bits => block,
-                    Some(block) => NodeBlock::succeed(&block, materials(bits)),
-                    None => NodeBlock::new(index, materials(bits)),
-                });
-            }
-            fill_lookup(&mut nodes.lookup, patch.blocks, nodes.blocks.iter().map(|b| b.index));
-            fill_layers(&mut nodes.layers, patch.blocks, nodes.blocks.iter().map(|b| b.index));
-            nodes.present.clear();
-            nodes.present.extend(nodes.blocks.iter().map(NodeBlock::bits));
-        }
-    }
-
-    /// Neighbor tables between particle and node blocks.
-    fn link(&mut self) {
-        let decomposition = &self.decomposition;
-        let locate = |index: BlockIndex| {
-            let patch = decomposition.owner(index)?;
-            Some((patch, decomposition.patches[patch].blocks.offset(index)?))
-        };
-        let (particles, nodes) = (&mut self.particles, &mut self.nodes);
-        for node_patch in nodes.iter_mut() {
-            for block in &mut node_patch.blocks {
-                for (slot, &material) in block.present.iter().enumerate() {
-                    for (entry, d) in block.around[slot].iter_mut().zip(around()) {
-                        *entry = locate(add(block.index, d)).map_or(NOWHERE, |(patch, at)| {
-                            position(patch, particles[patch][material as usize].lookup[at])
-                        });
-                    }
-                }
-            }
-        }
-        for particle_patch in particles.iter_mut() {
-            for block in particle_patch.iter_mut().flat_map(|home| &mut home.blocks) {
-                block.near = false;
-                for (entry, d) in block.around.iter_mut().zip(around()) {
-                    *entry = locate(add(block.index, d))
-                        .map_or(NOWHERE, |(patch, at)| position(patch, nodes[patch].lookup[at]));
-                }
-            }
-        }
-    }
-
-    /// Marks the particle blocks whose particles may share nodes with a contacting material: now, or, where materials
-    /// have rates of their own, before their own step ends.
-    fn mark_near(&mut self) {
-        // two blocks share a node block if they are at most two apart; in a step a particle enters the next one at most
-        let apart = if self.own_rates { 3 } else { 2 };
-        let cube = IndexBox { lower: [-apart; 3], upper: [apart + 1; 3] };
-        let count = |m: usize| self.particles.iter().map(|patch| patch[m].blocks.len()).sum::<usize>();
-        let counts: Vec<usize> = (0..self.materials.len()).map(count).collect();
-        let pairs = (0..counts.len()).flat_map(|a| (0..a).map(move |b| [a, b]));
-        for [a, b] in pairs {
-            if !self.materials[a].contacts[b] {
-                continue;
-            }
-            let (few, many) = if counts[a] <= counts[b] { (a, b) } else { (b, a) };
-            let all = self.particles.iter().flat_map(|patch| &patch[few].blocks).map(|block| block.index);
-            for index in all.collect::<Vec<_>>() {
-                let mut met = false;
-                for offset in cube.iter() {
-                    if let Some(block) = self.find(many, add(index, offset)) {
-                        (block.near, met) = (true, true);
-                    }
-                }
-                if let Some(block) = self.find(few, index) {
-                    block.near |= met;
-                }
-            }
-        }
-    }
-
-    /// A material's block, if it is occupied.
-    fn find(&mut self, material: usize, index: BlockIndex) -> Option<&mut ParticleBlock> {
-        let patch = self.decomposition.owner(index)?;
-        let at = self.decomposition.patches[patch].blocks.offset(index)?;
-        let home = &mut self.particles[patch][material];
-        let position = (home.lookup[at] as usize).checked_sub(1)?;
-        home.blocks.get_mut(position)
-    }
-
     /// Number of particle blocks in each layer along x, from the level's first layer on.
     pub fn blocks_by_layer(&self) -> Vec<usize> {
         let all = self.level.blocks();
@@ -287,19 +186,6 @@ impl Warehouse {
 /// A position outside the level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutsideLevel;
-
-fn position(patch: usize, slot: u32) -> (u32, u32) {
-    if slot == 0 { NOWHERE } else { (patch as u32, slot - 1) }
-}
-
-fn fill_lookup(lookup: &mut [u32], blocks: IndexBox, indices: impl Iterator<Item = BlockIndex>) {
-    lookup.fill(0);
-    for (position, index) in indices.enumerate() {
-        if let Some(at) = blocks.offset(index) {
-            lookup[at] = position as u32 + 1;
-        }
-    }
-}
 
 fn fill_layers(layers: &mut Vec<u32>, blocks: IndexBox, indices: impl Iterator<Item = BlockIndex>) {
     layers.clear();

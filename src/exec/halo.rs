@@ -20,20 +20,28 @@ fn shared_nodes(d: i32) -> (Range<i32>, i32) {
     }
 }
 
-/// Runs `each(nodes, buffer lines)` on every pencil along z that a block shares with the `touched` part of the buffer
-/// of the one at `d`.
+/// The nodes that a block shares with the `touched` part of the buffer of the one at `d`, as ranges on each axis, and
+/// what to add to them to get their index in that buffer.
 #[inline(always)]
-pub fn pencils(d: [i32; 3], touched: &IndexBox, mut each: impl FnMut(Range<usize>, Range<usize>)) {
+fn overlap(d: [i32; 3], touched: &IndexBox) -> Option<([(i32, i32); 3], [i32; 3])> {
     let (mut nodes, mut shift) = ([(0, 0); 3], [0; 3]);
     for a in 0..3 {
         let (shared, to_buffer) = shared_nodes(d[a]);
         let low = shared.start.max(touched.lower[a] - to_buffer);
         let high = shared.end.min(touched.upper[a] - to_buffer);
         if low >= high {
-            return;
+            return None;
         }
         (nodes[a], shift[a]) = ((low, high), to_buffer);
     }
+    Some((nodes, shift))
+}
+
+/// Runs `each(nodes, buffer lines)` on every pencil along z that a block shares with the `touched` part of the buffer
+/// of the one at `d`.
+#[inline(always)]
+pub fn pencils(d: [i32; 3], touched: &IndexBox, mut each: impl FnMut(Range<usize>, Range<usize>)) {
+    let Some((nodes, shift)) = overlap(d, touched) else { return };
     let [(x0, x1), (y0, y1), (z0, z1)] = nodes;
     let stride = STRIDE.map(|s| s as i32);
     for x in x0..x1 {
@@ -90,6 +98,13 @@ impl<'a> Around<'a> {
         let block: &ParticleBlock = &self.particles[patch as usize][self.material].blocks[at as usize];
         let partial = &block.partials[self.which];
         (!partial.is_empty()).then_some((partial, &block.touched))
+    }
+
+    /// Whether any block around adds anything.
+    pub fn is_something(&self) -> bool {
+        let adds = |q| self.partial(q).is_some_and(|(_, touched)| overlap(offset(q), touched).is_some());
+        // the block itself first: mostly that settles it
+        adds(13) || (0..27).any(adds)
     }
 
     /// Asks for the lines that the `q`-th block around adds.

@@ -132,19 +132,24 @@ pub fn sweep<const METERED: bool>(
     laps.end(&mut scratch.tally);
 }
 
-/// Runs a node stage on one block.
+/// Runs a node stage on one block, unless no particle touches its nodes; returns whether it did.
 pub fn update_nodes<const METERED: bool>(
     context: &Context<'_>,
     stage: &Stage,
     particles: &[Vec<ParticlePatch>],
     scratch: &mut Scratch,
     block: &mut NodeBlock,
-) {
+) -> bool {
+    let of = |which, material, around| Around { which, material, particles, around };
+    let fields = || block.present.iter().map(|&m| m as usize).zip(&block.around);
+    if !fields().any(|(material, around)| of(0, material, around).is_something()) {
+        return false;
+    }
     let (mut laps, part) =
         (Laps::<METERED>::begin(&mut scratch.tally), |part| What::Part(stage.entries[0], part));
-    let mut fields = std::mem::take(&mut scratch.fields);
-    fields.clear();
-    fields.extend(fields_of(context.schedule, block));
+    let mut materials = std::mem::take(&mut scratch.fields);
+    materials.clear();
+    materials.extend(fields_of(context.schedule, block));
     let (mut columns, shared) = scratch.split();
     let lines = NODES * block.present.len();
     for (label, which) in SCATTERED {
@@ -154,11 +159,8 @@ pub fn update_nodes<const METERED: bool>(
             continue;
         }
         let column = &mut column[..lines];
-        let slots = column.chunks_exact_mut(NODES).zip(&block.present).zip(&block.around);
-        for ((sums, &material), around) in slots {
-            let material = material as usize;
-            let from = Around { which, material, particles, around };
-            context.isa.dispatch(SumPartials { from, sums });
+        for (sums, (material, around)) in column.chunks_exact_mut(NODES).zip(fields()) {
+            context.isa.dispatch(SumPartials { from: of(which, material, around), sums });
         }
         columns[label as usize] = column;
     }
@@ -171,7 +173,7 @@ pub fn update_nodes<const METERED: bool>(
     lend_shared(&mut columns, shared, None);
     let mut space = Workspace { columns, ..Workspace::empty() };
     let mut at = context.at(block.index);
-    at.fields = &fields;
+    at.fields = &materials;
     let traced = tracing::enabled!(tracing::Level::TRACE);
     laps.lap(part(Part::Setup));
     for &entry in &stage.entries {
@@ -179,8 +181,9 @@ pub fn update_nodes<const METERED: bool>(
         context.task(entry).run_on(context.isa, &at, &mut space);
         laps.lap(What::Entry(entry));
     }
-    scratch.fields = fields;
+    scratch.fields = materials;
     laps.end(&mut scratch.tally);
+    true
 }
 
 /// The materials at a block's nodes, in this tick.

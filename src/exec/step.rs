@@ -168,8 +168,8 @@ impl<E: Executor> Work<'_, E> {
                 let update =
                     if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
                 executor.each(&mut items, |worker, block| {
-                    update(context, stage, particles, &mut lock(&scratch[worker]), block);
-                    if phase.settles {
+                    let ran = update(context, stage, particles, &mut lock(&scratch[worker]), block);
+                    if ran && phase.settles {
                         block.until.fill(schedule.next());
                     }
                 });
