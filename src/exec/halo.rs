@@ -20,11 +20,11 @@ fn shared_nodes(d: i32) -> (Range<i32>, i32) {
     }
 }
 
-/// The nodes that a block shares with the `touched` part of the buffer of the one at `d`, as ranges on each axis, and
-/// what to add to them to get their index in that buffer.
+/// The nodes (0 to 3 on each axis) that a block shares with the `touched` part of the buffer of the one at `d`, and what
+/// to add to them to get their index in that buffer.
 #[inline(always)]
-fn overlap(d: [i32; 3], touched: &IndexBox) -> Option<([(i32, i32); 3], [i32; 3])> {
-    let (mut nodes, mut shift) = ([(0, 0); 3], [0; 3]);
+fn overlap(d: [i32; 3], touched: &IndexBox) -> Option<(IndexBox, [i32; 3])> {
+    let (mut nodes, mut shift) = (IndexBox { lower: [0; 3], upper: [0; 3] }, [0; 3]);
     for a in 0..3 {
         let (shared, to_buffer) = shared_nodes(d[a]);
         let low = shared.start.max(touched.lower[a] - to_buffer);
@@ -32,7 +32,7 @@ fn overlap(d: [i32; 3], touched: &IndexBox) -> Option<([(i32, i32); 3], [i32; 3]
         if low >= high {
             return None;
         }
-        (nodes[a], shift[a]) = ((low, high), to_buffer);
+        (nodes.lower[a], nodes.upper[a], shift[a]) = (low, high, to_buffer);
     }
     Some((nodes, shift))
 }
@@ -42,7 +42,7 @@ fn overlap(d: [i32; 3], touched: &IndexBox) -> Option<([(i32, i32); 3], [i32; 3]
 #[inline(always)]
 pub fn pencils(d: [i32; 3], touched: &IndexBox, mut each: impl FnMut(Range<usize>, Range<usize>)) {
     let Some((nodes, shift)) = overlap(d, touched) else { return };
-    let [(x0, x1), (y0, y1), (z0, z1)] = nodes;
+    let IndexBox { lower: [x0, y0, z0], upper: [x1, y1, z1] } = nodes;
     let stride = STRIDE.map(|s| s as i32);
     for x in x0..x1 {
         for y in y0..y1 {
