@@ -14,6 +14,7 @@ use crate::data::warehouse::{NodePatch, ParticlePatch, Shared, Warehouse};
 use crate::graph::build::TaskGraph;
 use crate::graph::fuse::{Phase, Stage, When};
 use crate::graph::task::Domain;
+use crate::grid::Decomposition;
 use crate::simd::Isa;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -126,11 +127,14 @@ impl<E: Executor> Engine<E> {
         let blocks = level.blocks();
         let whole = blocks.lower[0]..blocks.upper[0];
         let slabs = if wave::busy(schedule, particles) { &slabs[..] } else { &[whole] };
-        let first = |patch: usize| decomposition.patches[patch].blocks.lower[0];
         let mut work = Work { executor, context, scratch, memory, metered: *metered };
+        let mut data = Blocks { decomposition, particles, nodes };
         executor.enter(|| {
             for (phase, slab) in wave::order(phases, slabs) {
-                work.run(phase, slab, particles, nodes, first);
+                match phase.stages.first().map(|stage| stage.domain) {
+                    Some(Domain::Nodes) => work.over_nodes(phase, slab, &mut data),
+                    _ => work.over_particles(phase, slab, &mut data),
+                }
             }
         });
         collect(phases, scratch, shared);
@@ -147,52 +151,51 @@ struct Work<'a, E> {
 }
 
 impl<E: Executor> Work<'_, E> {
-    /// Runs one phase on one slab.
-    fn run(
-        &mut self,
-        phase: &Phase,
-        slab: &Range<i32>,
-        particles: &mut [Vec<ParticlePatch>],
-        nodes: &mut [NodePatch],
-        first: impl Fn(usize) -> i32,
-    ) {
+    /// Runs a phase over nodes on one slab.
+    fn over_nodes(&mut self, phase: &Phase, slab: &Range<i32>, data: &mut Blocks<'_>) {
         let Self { executor, context, scratch, memory, metered } = self;
-        let schedule = context.schedule;
-        match phase.stages.first().filter(|s| s.domain == Domain::Nodes) {
-            Some(stage) => {
-                let mut items = recycle(std::mem::take(&mut memory.nodes));
-                let patches = nodes.iter_mut().enumerate();
-                let blocks = patches.flat_map(|(patch, nodes)| nodes.slab_mut(first(patch), slab));
-                let awake = schedule.awake();
-                items.extend(blocks.filter(|(present, _)| present & awake != 0).map(|(_, block)| block));
-                let update =
-                    if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
-                executor.each(&mut items, |worker, block| {
-                    let ran = update(context, stage, particles, &mut lock(&scratch[worker]), block);
-                    if ran && phase.settles {
-                        block.until.fill(schedule.next());
-                    }
-                });
-                memory.nodes = recycle(items);
+        let Some(stage) = phase.stages.first() else { return };
+        let (awake, next) = (context.schedule.awake(), context.schedule.next());
+        let mut items = recycle(std::mem::take(&mut memory.nodes));
+        for (nodes, patch) in data.nodes.iter_mut().zip(&data.decomposition.patches) {
+            let blocks = nodes.slab_mut(patch.blocks.lower[0], slab);
+            items.extend(blocks.filter(|(present, _)| present & awake != 0).map(|(_, block)| block));
+        }
+        let update = if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
+        executor.each(&mut items, |worker, block| {
+            let ran = update(context, stage, data.particles, &mut lock(&scratch[worker]), block);
+            if ran && phase.settles {
+                block.until.fill(next);
             }
-            None => {
-                let mut items = recycle(std::mem::take(&mut memory.particles));
-                for (patch, homes) in particles.iter_mut().enumerate() {
-                    for (material, home) in homes.iter_mut().enumerate() {
-                        if let Some(stage) = phase.stages.iter().find(|s| acts(s, schedule, material)) {
-                            let blocks = home.slab_mut(first(patch), slab).iter_mut();
-                            items.extend(blocks.map(|block| (stage, block)));
-                        }
-                    }
+        });
+        memory.nodes = recycle(items);
+    }
+
+    /// Runs a phase over particles on one slab.
+    fn over_particles(&mut self, phase: &Phase, slab: &Range<i32>, data: &mut Blocks<'_>) {
+        let Self { executor, context, scratch, memory, metered } = self;
+        let mut items = recycle(std::mem::take(&mut memory.particles));
+        for (homes, patch) in data.particles.iter_mut().zip(&data.decomposition.patches) {
+            for (material, home) in homes.iter_mut().enumerate() {
+                if let Some(stage) = phase.stages.iter().find(|s| acts(s, context.schedule, material)) {
+                    let blocks = home.slab_mut(patch.blocks.lower[0], slab).iter_mut();
+                    items.extend(blocks.map(|block| (stage, block)));
                 }
-                let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
-                executor.each(&mut items, |worker, (stage, block)| {
-                    sweep(context, stage, nodes, &mut lock(&scratch[worker]), block);
-                });
-                memory.particles = recycle(items);
             }
         }
+        let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
+        executor.each(&mut items, |worker, (stage, block)| {
+            sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
+        });
+        memory.particles = recycle(items);
     }
+}
+
+/// The blocks that a wave works on.
+struct Blocks<'a> {
+    decomposition: &'a Decomposition,
+    particles: &'a mut [Vec<ParticlePatch>],
+    nodes: &'a mut [NodePatch],
 }
 
 /// Whether a stage over particles runs for a material in this tick.
