@@ -41,34 +41,16 @@ impl<T: Copy> Map<T> {
     }
 }
 
-/// Where all blocks are.
-fn places<'a>(level: IndexBox, blocks: impl Iterator<Item = (usize, usize, &'a BlockIndex)>) -> Map<Place> {
+/// Where all blocks are, from the indices of each patch's blocks in their order.
+fn places<I: Iterator<Item = BlockIndex>>(level: IndexBox, patches: impl Iterator<Item = I>) -> Map<Place> {
     let mut map = Map::new(level, NOWHERE);
-    for (patch, position, &index) in blocks {
-        let at = map.at(index);
-        map.cells[at] = (patch as u32, position as u32);
+    for (patch, indices) in (0..).zip(patches) {
+        for (position, index) in (0..).zip(indices) {
+            let at = map.at(index);
+            map.cells[at] = (patch, position);
+        }
     }
     map
-}
-
-fn places_of_particles(level: IndexBox, particles: &[Vec<ParticlePatch>], material: usize) -> Map<Place> {
-    let patches = particles.iter().enumerate();
-    places(
-        level,
-        patches.flat_map(|(patch, homes)| {
-            homes[material].blocks.iter().enumerate().map(move |(position, b)| (patch, position, &b.index))
-        }),
-    )
-}
-
-fn places_of_nodes(level: IndexBox, nodes: &[NodePatch]) -> Map<Place> {
-    let patches = nodes.iter().enumerate();
-    places(
-        level,
-        patches.flat_map(|(patch, home)| {
-            home.blocks.iter().enumerate().map(move |(position, b)| (patch, position, &b.index))
-        }),
-    )
 }
 
 impl Warehouse {
@@ -79,8 +61,11 @@ impl Warehouse {
             homes.iter_mut().for_each(|home| home.settle(patch.blocks));
         }
         activate_nodes(level, &self.decomposition, &self.particles, &mut self.nodes);
-        let materials = 0..self.materials.len();
-        let homes: Vec<_> = materials.map(|m| places_of_particles(level, &self.particles, m)).collect();
+        let indices = |m: usize| {
+            let homes = self.particles.iter().map(move |patch| &patch[m].blocks);
+            homes.map(|blocks| blocks.iter().map(|block| block.index))
+        };
+        let homes: Vec<_> = (0..self.materials.len()).map(|m| places(level, indices(m))).collect();
         self.link(&homes);
         self.mark_near(&homes);
         self.stale = false;
@@ -88,7 +73,8 @@ impl Warehouse {
 
     /// Neighbor tables between particle and node blocks.
     fn link(&mut self, homes: &[Map<Place>]) {
-        let map = places_of_nodes(self.level.blocks(), &self.nodes);
+        let indices = self.nodes.iter().map(|patch| patch.blocks.iter().map(|block| block.index));
+        let map = places(self.level.blocks(), indices);
         let deltas = map.deltas();
         let neighbors = |map: &Map<Place>, index| {
             let at = map.at(index);

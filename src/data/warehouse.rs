@@ -159,12 +159,16 @@ impl Warehouse {
         Ok(())
     }
 
-    /// Number of particle blocks in each layer along x, from the level's first layer on.
+    /// Number of particle blocks in each layer along x, from the level's first layer on, as of the last activation.
     pub fn blocks_by_layer(&self) -> Vec<usize> {
         let all = self.level.blocks();
         let mut counts = vec![0; all.size()[0]];
-        for (_, block) in self.blocks() {
-            counts[(block.index[0] - all.lower[0]) as usize] += 1;
+        for (patch, homes) in self.decomposition.patches.iter().zip(&self.particles) {
+            let first = (patch.blocks.lower[0] - all.lower[0]) as usize;
+            for layers in homes.iter().map(|home| &home.layers) {
+                let in_each = layers.windows(2).map(|ends| (ends[1] - ends[0]) as usize);
+                counts[first..].iter_mut().zip(in_each).for_each(|(count, more)| *count += more);
+            }
         }
         counts
     }

@@ -87,8 +87,11 @@ impl<E: Executor> Engine<E> {
     /// Runs `graph` once: a tick. A task that computes the label `Step` decides which materials act in the rest of it;
     /// without one, all do.
     pub fn run(&mut self, graph: &TaskGraph, warehouse: &mut Warehouse) {
-        if warehouse.stale || self.slabs.is_empty() {
+        if warehouse.stale {
             self.metered(What::Activation, || warehouse.activate());
+            self.slabs.clear();
+        }
+        if self.slabs.is_empty() {
             self.slabs = wave::slabs(warehouse, self.workers());
         }
         self.schedule.reset();

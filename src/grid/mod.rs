@@ -66,8 +66,3 @@ pub fn around() -> impl Iterator<Item = [i32; 3]> {
 pub fn offset(q: usize) -> [i32; 3] {
     [q / 9, q / 3 % 3, q % 3].map(|i| i as i32 - 1)
 }
-
-/// `a + b` on each axis.
-pub fn add(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
-    std::array::from_fn(|i| a[i] + b[i])
-}
