@@ -7,7 +7,7 @@ use super::labels::{LABELS, LabelId};
 use super::nodes::{NODES, NodeBlock};
 use super::particles::{Layout, ParticleBlock};
 use super::reduction;
-use crate::grid::{BlockIndex, Decomposition, IndexBox, Level};
+use crate::grid::{BlockIndex, Decomposition, IndexBox, Level, Partition};
 use crate::simd::Wide;
 use bytemuck::Pod;
 use std::ops::Range;
@@ -98,6 +98,9 @@ pub struct Warehouse {
     pub level: Level,
     /// The patches.
     pub decomposition: Decomposition,
+    /// The rank of each patch. Patches of other ranks hold only what this rank receives from them: blocks without
+    /// particles, with what they give to nodes here, and node blocks with what particles here read.
+    pub partition: Partition,
     /// The materials.
     pub materials: Vec<MaterialData>,
     /// Particles: `[patch][material]`.
@@ -114,19 +117,25 @@ pub struct Warehouse {
 
 impl Warehouse {
     /// An empty warehouse.
-    pub fn new(level: Level, decomposition: Decomposition, materials: Vec<MaterialData>) -> Self {
+    pub fn new(
+        level: Level,
+        decomposition: Decomposition,
+        partition: Partition,
+        materials: Vec<MaterialData>,
+    ) -> Self {
         let patches = decomposition.patches.len();
         let empty = vec![ParticlePatch::default(); materials.len()];
         let mut particles = vec![empty; patches];
         let nodes = vec![NodePatch::default(); patches];
-        for (patch, particles) in decomposition.patches.iter().zip(&mut particles) {
-            particles.iter_mut().for_each(|p| p.lookup = vec![0; patch.blocks.len()]);
+        for patch in partition.mine() {
+            let blocks = decomposition.patches[patch].blocks.len();
+            particles[patch].iter_mut().for_each(|p| p.lookup = vec![0; blocks]);
         }
-        let shared = Shared::new(materials.len());
-        Self { level, decomposition, materials, particles, nodes, shared, stale: true, own_rates: false }
+        let (shared, stale, own_rates) = (Shared::new(materials.len()), true, false);
+        Self { level, decomposition, partition, materials, particles, nodes, shared, stale, own_rates }
     }
 
-    /// Number of particles.
+    /// Number of particles on this rank.
     pub fn particle_count(&self) -> usize {
         self.blocks().map(|(_, block)| block.count).sum()
     }
@@ -138,14 +147,23 @@ impl Warehouse {
         })
     }
 
-    /// Adds a particle to the block that owns position `x`. New blocks wait for [`Warehouse::activate`].
+    /// Block and patch of a particle at `x` that comes from elsewhere.
+    ///
+    /// # Errors
+    /// A position outside the level.
+    pub fn home(&self, material: usize, x: [f64; 3]) -> Result<(BlockIndex, usize), OutsideLevel> {
+        let index = Level::block_of(self.level.base_node(x, self.materials[material].half_size));
+        let patch = self.decomposition.owner(index).filter(|_| self.level.contains(x)).ok_or(OutsideLevel)?;
+        Ok((index, patch))
+    }
+
+    /// Adds a particle to the block that owns position `x`, on this rank. New blocks wait for [`Warehouse::activate`].
     ///
     /// # Errors
     /// A position outside the level.
     pub fn insert(&mut self, material: usize, x: [f64; 3], record: &[f64]) -> Result<(), OutsideLevel> {
+        let (index, patch) = self.home(material, x)?;
         let base = self.level.base(x, self.materials[material].half_size);
-        let index = Level::block_of(base.map(|y| y.floor() as i32));
-        let patch = self.decomposition.owner(index).filter(|_| self.level.contains(x)).ok_or(OutsideLevel)?;
         let rest = self.level.middle(index);
         let blocks = self.decomposition.patches[patch].blocks;
         let home = &mut self.particles[patch][material];

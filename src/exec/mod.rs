@@ -2,6 +2,7 @@
 pub mod buffers;
 pub mod halo;
 pub mod meter;
+pub mod ranks;
 pub mod relocate;
 pub mod scratch;
 pub mod serial;

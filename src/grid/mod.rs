@@ -1,8 +1,10 @@
 //! The background grid: cells, blocks of 4x4x4 cells, and patches, which are boxes of whole blocks.
 mod level;
+mod partition;
 mod patch;
 
 pub use level::{BLOCK, Level};
+pub use partition::Partition;
 pub use patch::{Decomposition, Patch};
 
 /// Index of a block on each axis. Block b owns the nodes 4b to 4b+3.

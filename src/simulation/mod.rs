@@ -16,11 +16,12 @@ use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
 use crate::exec::meter::What;
+use crate::exec::ranks::{Alone, Network};
 use crate::exec::relocate;
 use crate::exec::{Engine, Executor, Serial, Threads};
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
-use crate::grid::{Decomposition, Level};
+use crate::grid::{Decomposition, Level, Partition};
 use crate::input::scene::{Behavior, Leaving, Rates, Scene};
 use crate::simd::Isa;
 use crate::tasks::timestep;
@@ -94,32 +95,52 @@ pub struct Simulation {
     pub graph: TaskGraph,
     report_graph: TaskGraph,
     engine: Engine<Workers>,
+    network: Box<dyn Network>,
     ledger: Ledger,
     steps: u64,
     updates: u64,
 }
 
 impl Simulation {
-    /// Particles, graphs and workers for `scene`, and the state before the first step.
+    /// Particles, graphs and workers for `scene`, and the state before the first step, on one rank.
     ///
     /// # Errors
     /// Patches that do not fit, or threads that do not start.
     pub fn new(scene: Scene, isa: Isa) -> Result<Self, RunError> {
+        Self::on(Box::new(Alone), scene, isa)
+    }
+
+    /// This rank's part of the same, on all ranks of `network`.
+    ///
+    /// # Errors
+    /// Patches that do not fit, or threads that do not start.
+    pub fn on(network: Box<dyn Network>, scene: Scene, isa: Isa) -> Result<Self, RunError> {
         let level = Level { lower: scene.domain.lower, cell: scene.domain.cell, cells: scene.domain.cells };
         let threads = scene.run.threads.unwrap_or_else(available_threads);
-        let counts = scene.run.patches.unwrap_or_else(|| Decomposition::automatic(&level, 8 * threads));
+        let counts = scene
+            .run
+            .patches
+            .unwrap_or_else(|| Decomposition::automatic(&level, 8 * threads * network.size()));
         let decomposition = Decomposition::new(&level, counts).map_err(RunError::Patches)?;
         let patches = decomposition.patches.len();
+        let partition = match network.size() {
+            1 => Partition::alone(patches),
+            ranks => {
+                let costs = populate::counts(&scene, &level, &decomposition);
+                Partition::by_cost(&decomposition, &costs, network.rank(), ranks)
+                    .map_err(RunError::Patches)?
+            }
+        };
         let graph = step_graph(&scene, patches)?;
         let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
         let start = TaskGraph::build(timestep::start(&scene), WANTED, patches)?;
 
-        let mut warehouse = populate::populate(&scene, level, decomposition, &graph)?;
+        let mut warehouse = populate::populate(&scene, level, decomposition, partition, &graph)?;
         warehouse.own_rates = scene.run.rates != Rates::Common;
         let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
         let ledger = Ledger::default();
         let mut simulation =
-            Self { scene, warehouse, graph, report_graph, engine, ledger, steps: 0, updates: 0 };
+            Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps: 0, updates: 0 };
         simulation.engine.run(&start, &mut simulation.warehouse);
         simulation.check_faults()?;
         simulation.relocate()?;
@@ -200,6 +221,11 @@ impl Simulation {
     /// Steps taken.
     pub fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// The ranks of the run.
+    pub fn network(&mut self) -> &mut dyn Network {
+        &mut *self.network
     }
 
     /// Instruction set that runs.

@@ -5,7 +5,7 @@ use crate::data::particles::Layout;
 use crate::data::shared::{Clock, RigidState};
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::graph::build::TaskGraph;
-use crate::grid::{Decomposition, Level};
+use crate::grid::{Decomposition, Level, Partition};
 use crate::input::lattice;
 use crate::input::scene::{Behavior, Body, RigidMotion, Scene};
 use crate::physics::law::{Law, Variable};
@@ -13,7 +13,20 @@ use crate::physics::materials::WithLaw;
 use crate::tasks::timestep;
 use nalgebra::{Matrix3, Vector3};
 
-/// A warehouse with all particles of `scene`, with the labels that `graph` uses.
+/// Number of particles of `scene` in each patch.
+pub fn counts(scene: &Scene, level: &Level, decomposition: &Decomposition) -> Vec<u64> {
+    let mut counts = vec![0; decomposition.patches.len()];
+    for body in &scene.bodies {
+        let half_size = timestep::half_size(scene, body.material);
+        for x in lattice::sample(scene, body) {
+            let block = Level::block_of(level.base_node(x, half_size));
+            decomposition.owner(block).into_iter().for_each(|patch| counts[patch] += 1);
+        }
+    }
+    counts
+}
+
+/// A warehouse with the particles of `scene` in the patches of this rank, with the labels that `graph` uses.
 ///
 /// # Errors
 /// Bodies that do not fit the level, or differ in resolution within a material.
@@ -21,10 +34,11 @@ pub fn populate(
     scene: &Scene,
     level: Level,
     decomposition: Decomposition,
+    partition: Partition,
     graph: &TaskGraph,
 ) -> Result<Warehouse, RunError> {
     let materials = (0..scene.materials.len()).map(|m| material_data(scene, graph, m)).collect();
-    let mut warehouse = Warehouse::new(level, decomposition, materials);
+    let mut warehouse = Warehouse::new(level, decomposition, partition, materials);
     let mut identity = 0;
     for body in &scene.bodies {
         let first = scene.bodies.iter().find(|b| b.material == body.material);
@@ -98,7 +112,14 @@ fn add_body(
     let material = &scene.materials[body.material];
     let layout = warehouse.materials[body.material].layout.clone();
     let volume = lattice::particle_volume(scene, body);
+    let outside = |_| RunError::Outside { body: body.name.clone() };
     for x in lattice::sample(scene, body) {
+        let (_, patch) = warehouse.home(body.material, x).map_err(outside)?;
+        let this = *identity;
+        *identity += 1;
+        if !warehouse.partition.is_mine(patch) {
+            continue;
+        }
         let history = initial_history(&material.behavior, lattice::fiber_at(&body.fibers, x));
         let drive = scene.drives.iter().position(|d| d.material == body.material && d.region.contains(x));
         let mut record = Vec::with_capacity(layout.total);
@@ -111,13 +132,11 @@ fn add_body(
                 LabelId::Deformation => record.extend([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]),
                 LabelId::History => record.extend(&history),
                 LabelId::DriveIndex => record.push(drive.map_or(0.0, |d| d as f64 + 1.0)),
-                LabelId::Identity => record.push(f64::from_bits(*identity)),
+                LabelId::Identity => record.push(f64::from_bits(this)),
                 other => record.extend(std::iter::repeat_n(0.0, other.width())),
             }
         }
-        let outside = |_| RunError::Outside { body: body.name.clone() };
         warehouse.insert(body.material, x, &record).map_err(outside)?;
-        *identity += 1;
     }
     Ok(())
 }
@@ -125,31 +144,25 @@ fn add_body(
 /// Mass, center, inertia and motion of a rigid material, and the reference positions of its particles.
 fn start_rigid(scene: &Scene, warehouse: &mut Warehouse, material: usize) {
     let Behavior::Rigid(motion) = &scene.materials[material].behavior else { return };
-    let layout = warehouse.materials[material].layout.clone();
+    // in the order of identities, over all ranks' particles, so that no decomposition changes a bit
+    let bodies = || scene.bodies.iter().filter(|body| body.material == material);
+    let particles = || {
+        bodies().flat_map(|body| {
+            let m = scene.materials[material].density * lattice::particle_volume(scene, body);
+            lattice::sample(scene, body).map(move |x| (m, Vector3::from(x), Vector3::from(body.velocity)))
+        })
+    };
     let (mut mass, mut moment, mut momentum) = (0.0, Vector3::zeros(), Vector3::zeros());
     let mut second = Matrix3::zeros();
-    // in the order of identity, so that no decomposition changes a bit
-    let mut particles: Vec<_> = warehouse
-        .blocks()
-        .filter(|(m, _)| *m == material)
-        .flat_map(|(_, block)| (0..block.count).map(move |p| (block, p)))
-        .map(|(block, p)| {
-            let get = |label, c| block.get(&layout, label, p, c);
-            let vector = |label| Vector3::from_fn(|a, _| get(label, a));
-            let identity = get(LabelId::Identity, 0).to_bits();
-            (identity, get(LabelId::Mass, 0), vector(LabelId::Position), vector(LabelId::Velocity))
-        })
-        .collect();
-    particles.sort_by_key(|p| p.0);
-    for (_, m, x, v) in &particles {
+    for (m, x, v) in particles() {
         mass += m;
-        moment += *m * x;
-        momentum += *m * v;
+        moment += m * x;
+        momentum += m * v;
     }
     let center = moment / mass;
-    for (_, m, x, _) in &particles {
+    for (m, x, _) in particles() {
         let r = x - center;
-        second += *m * (Matrix3::identity() * r.norm_squared() - r * r.transpose());
+        second += m * (Matrix3::identity() * r.norm_squared() - r * r.transpose());
     }
     let (velocity, angular, free) = match motion {
         RigidMotion::Free { angular_velocity } => ((momentum / mass).into(), *angular_velocity, 1.0),
@@ -166,6 +179,7 @@ fn start_rigid(scene: &Scene, warehouse: &mut Warehouse, material: usize) {
     };
     (0..3).for_each(|a| body.rotation[4 * a] = 1.0);
     warehouse.shared.set(LabelId::RigidMotion, material, body);
+    let layout = warehouse.materials[material].layout.clone();
     for block in warehouse.particles.iter_mut().flat_map(|patch| &mut patch[material].blocks) {
         for particle in 0..block.count {
             for a in 0..3 {

@@ -1,0 +1,124 @@
+//! Messages between ranks: who may send what to whom, without a word about how they travel.
+pub mod collective;
+pub mod local;
+
+use crate::simd::Wide;
+
+/// What a message is about. Messages from one rank to another on one channel arrive in the order in which they were sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u8)]
+pub enum Channel {
+    /// Partial node sums of particle blocks beside the receiver's nodes.
+    Sums,
+    /// Motion of nodes beside the receiver's particle blocks.
+    Motion,
+    /// Particles that come to blocks of the receiver.
+    Travelers,
+    /// Which blocks are occupied beside the receiver's.
+    Occupied,
+    /// A part of a reduction, or its result.
+    Reduction,
+    /// Whole patches that change their rank.
+    Patches,
+    /// Rows of an output file, for the rank that writes.
+    Output,
+}
+
+impl Channel {
+    /// Number of channels.
+    pub const COUNT: usize = 7;
+}
+
+/// A rank that does not answer any more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "rank {rank} is gone: it ended or was killed. The last whole checkpoint restarts the run: sinew run --restart DIR"
+)]
+pub struct Lost {
+    /// The rank.
+    pub rank: usize,
+}
+
+/// The ranks of a run, seen from one of them. A message is a number of cache lines.
+pub trait Network {
+    /// Which rank this is.
+    fn rank(&self) -> usize;
+
+    /// Number of ranks.
+    fn size(&self) -> usize;
+
+    /// Sends a message and goes on at once.
+    fn send(&mut self, to: usize, channel: Channel, message: Vec<Wide>);
+
+    /// Says that a message of at most `most` lines will come, so that it can travel while this rank works.
+    fn expect(&mut self, from: usize, channel: Channel, most: usize);
+
+    /// The next message, if it is here.
+    ///
+    /// # Errors
+    /// If the sender is gone.
+    fn arrived(&mut self, from: usize, channel: Channel) -> Result<Option<Vec<Wide>>, Lost>;
+
+    /// The next message; waits for it.
+    ///
+    /// # Errors
+    /// If the sender is gone.
+    fn receive(&mut self, from: usize, channel: Channel) -> Result<Vec<Wide>, Lost>;
+
+    /// Waits until all that was sent has left, so that its memory is free again.
+    fn settle(&mut self);
+
+    /// Empty memory for a message of some lines: of an old one, if there is one.
+    fn memory(&mut self, lines: usize) -> Vec<Wide> {
+        Vec::with_capacity(lines)
+    }
+
+    /// Takes back the memory of a message that has been read.
+    fn give_back(&mut self, _message: Vec<Wide>) {}
+}
+
+/// A run on one rank.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Alone;
+
+impl Network for Alone {
+    fn rank(&self) -> usize {
+        0
+    }
+
+    fn size(&self) -> usize {
+        1
+    }
+
+    fn send(&mut self, to: usize, channel: Channel, _message: Vec<Wide>) {
+        debug_assert!(false, "one rank sends to nobody, not {channel:?} to {to}");
+    }
+
+    fn expect(&mut self, _from: usize, _channel: Channel, _most: usize) {}
+
+    fn arrived(&mut self, from: usize, _channel: Channel) -> Result<Option<Vec<Wide>>, Lost> {
+        Err(Lost { rank: from })
+    }
+
+    fn receive(&mut self, from: usize, _channel: Channel) -> Result<Vec<Wide>, Lost> {
+        Err(Lost { rank: from })
+    }
+
+    fn settle(&mut self) {}
+}
+
+/// Numbers as a message: their count, then they.
+pub fn pack(words: &[u64]) -> Vec<Wide> {
+    let mut lines = vec![Wide::default(); (words.len() + 1).div_ceil(8)];
+    let all: &mut [u64] = bytemuck::cast_slice_mut(&mut lines);
+    all[0] = words.len() as u64;
+    all[1..=words.len()].copy_from_slice(words);
+    lines
+}
+
+/// The numbers of a message from [`pack`].
+pub fn unpack(lines: &[Wide]) -> &[u64] {
+    let all: &[u64] = bytemuck::cast_slice(lines);
+    let count = all.first().map_or(0, |&n| n as usize);
+    &all[all.len().min(1)..(count + 1).min(all.len())]
+}
