@@ -1,5 +1,6 @@
 //! Edges from declarations. Recipe order is the meaning; edges only say what of it is needed.
 use super::error::GraphError;
+use super::exchange;
 use super::fuse::{self, Phase};
 use super::prune;
 use super::recipe::{Edge, Graph, Node, Recipe, Why, everywhere};
@@ -21,6 +22,8 @@ pub struct TaskGraph {
     pub phases: Vec<Phase>,
     /// The phases again, in groups that may follow one another layer by layer of blocks.
     pub waves: Vec<Range<usize>>,
+    /// Labels reduced over all blocks whose parts come together at the end.
+    pub at_end: Vec<LabelId>,
     /// Tasks that nothing needs.
     pub pruned: Vec<String>,
     /// Labels whose value passes from step to step.
@@ -35,9 +38,10 @@ impl TaskGraph {
     pub fn build(recipe: Recipe, outputs: &[LabelId], patches: usize) -> Result<Self, GraphError> {
         let mut graph = derive(&recipe, patches)?;
         let (pruned, carried) = prune::prune(&mut graph, outputs);
-        let phases = fuse::fuse(&graph, &recipe, patches)?;
+        let mut phases = fuse::fuse(&graph, &recipe, patches)?;
+        let at_end = exchange::derive(&mut phases);
         let waves = fuse::waves(&phases);
-        Ok(Self { recipe, graph, phases, waves, pruned, carried })
+        Ok(Self { recipe, graph, phases, waves, at_end, pruned, carried })
     }
 
     /// Particle labels that the surviving tasks of `material` use.

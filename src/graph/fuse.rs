@@ -61,6 +61,10 @@ pub struct Phase {
     pub decides: bool,
     /// Whether it is the last one over nodes: they have gone through the tick then.
     pub settles: bool,
+    /// Node labels that it reads across the faces of patches: other ranks must have sent theirs.
+    pub halos: Vec<LabelId>,
+    /// Labels that earlier phases reduced and that it reads: the parts of all ranks must be together.
+    pub reductions: Vec<LabelId>,
 }
 
 impl Phase {

@@ -1,6 +1,7 @@
 //! From a recipe of declared tasks to a graph that runs: edges derived, idle tasks pruned, chains fused.
 pub mod build;
 pub mod error;
+pub mod exchange;
 pub mod export;
 pub mod fuse;
 pub mod prune;

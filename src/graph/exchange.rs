@@ -1,0 +1,28 @@
+//! What ranks and patches exchange in a step: derived from the declared ghosts and reductions, like the edges.
+use super::fuse::Phase;
+use super::task::Mode;
+use crate::data::label::{Home, Reduce};
+use crate::data::labels::LabelId;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Fills in what each phase receives and which reductions it needs complete; returns the labels whose reductions are
+/// complete only at the end of the tick.
+pub fn derive(phases: &mut [Phase]) -> Vec<LabelId> {
+    let mut spread = BTreeMap::new();
+    let mut open = BTreeSet::new();
+    for phase in phases {
+        let touched = || phase.stages.iter().flat_map(|stage| &stage.touched);
+        let reads = touched().filter(|a| a.mode.reads() && a.label.home() == Home::Node);
+        let across = reads.filter(|a| a.ghost > 0 || spread.get(&a.label).is_some_and(|&ghost| ghost > 0));
+        let halos: BTreeSet<_> = across.map(|a| a.label).collect();
+        let needs = phase.shared.iter().filter(|(_, reduces)| !reduces).map(|&(label, _)| label);
+        let reductions: Vec<_> = needs.filter(|label| open.remove(label)).collect();
+        touched().filter(|a| a.mode == Mode::Computes && a.label.home() == Home::Node).for_each(|a| {
+            spread.insert(a.label, a.ghost);
+        });
+        let reduces = phase.shared.iter().filter(|(label, reduces)| *reduces && label.reduce() != Reduce::No);
+        open.extend(reduces.map(|&(label, _)| label));
+        (phase.halos, phase.reductions) = (halos.into_iter().collect(), reductions);
+    }
+    open.into_iter().collect()
+}
