@@ -62,6 +62,8 @@ pub struct ParticleBlock {
     pub touched: IndexBox,
     /// Whether particles of a contacting material may touch the same nodes.
     pub near: bool,
+    /// Whether its particles share node blocks with another rank's, or with nodes that do.
+    pub rim: bool,
     /// Node blocks around, in the order of `grid::around`: (patch, position), see `warehouse`.
     pub around: [(u32, u32); 27],
 }
@@ -78,6 +80,7 @@ impl ParticleBlock {
             extent: extent::NOBODY,
             touched: IndexBox { lower: [0; 3], upper: [0; 3] },
             near: false,
+            rim: false,
             around: [(u32::MAX, u32::MAX); 27],
         }
     }

@@ -157,6 +157,14 @@ impl Warehouse {
         Ok((index, patch))
     }
 
+    /// Whether the block of a particle at `x` that comes from elsewhere holds others already, on this rank.
+    pub fn is_occupied(&self, material: usize, x: [f64; 3]) -> bool {
+        self.home(material, x).is_ok_and(|(index, patch)| {
+            let slot = self.decomposition.patches[patch].blocks.offset(index);
+            slot.is_some_and(|slot| self.particles[patch][material].lookup[slot] > 0)
+        })
+    }
+
     /// Adds a particle to the block that owns position `x`, on this rank. New blocks wait for [`Warehouse::activate`].
     ///
     /// # Errors

@@ -16,8 +16,8 @@ use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
 use crate::exec::meter::What;
-use crate::exec::ranks::{Alone, Network};
-use crate::exec::relocate;
+use crate::exec::ranks::{Alone, Network, NetworkError, collective};
+use crate::exec::relocate::Relocation;
 use crate::exec::{Engine, Executor, Serial, Threads};
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
@@ -141,13 +141,20 @@ impl Simulation {
         let ledger = Ledger::default();
         let mut simulation =
             Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps: 0, updates: 0 };
-        simulation.engine.run(&start, &mut simulation.warehouse);
-        simulation.check_faults()?;
-        simulation.relocate()?;
+        simulation.begin(&start)?;
         simulation.updates = 0;
-        let report = simulation.report();
+        let report = simulation.report()?;
         simulation.ledger.begin(&report);
         Ok(simulation)
+    }
+
+    /// The state before the first step.
+    fn begin(&mut self, start: &TaskGraph) -> Result<(), RunError> {
+        let Self { engine, warehouse, network, .. } = self;
+        engine.run(start, warehouse, &mut **network)?;
+        let relocation = engine.relocate(start, warehouse, &mut **network)?;
+        self.check_faults()?;
+        self.carry_out(relocation)
     }
 
     /// Takes one step, after which all materials are together; returns false when the end of the run was reached before.
@@ -168,7 +175,9 @@ impl Simulation {
 
     /// The part of a step that the fastest material takes at once.
     fn tick(&mut self) -> Result<(), RunError> {
-        self.engine.run(&self.graph, &mut self.warehouse);
+        let Self { engine, graph, warehouse, network, .. } = self;
+        engine.run(graph, warehouse, &mut **network)?;
+        let relocation = engine.relocate(graph, warehouse, &mut **network)?;
         let mut clock = self.clock();
         self.check_step(&clock)?;
         self.check_faults()?;
@@ -176,7 +185,7 @@ impl Simulation {
         clock.time = if clock.number < clock.last { clock.time + clock.step } else { clock.end };
         self.warehouse.shared.set(LabelId::Time, 0, clock);
         self.ledger.add_step(&self.warehouse.shared);
-        self.relocate()
+        self.carry_out(relocation)
     }
 
     /// Goes on with other time steps, from the next step on.
@@ -238,15 +247,23 @@ impl Simulation {
         self.engine.workers()
     }
 
-    /// Energies, momenta and failures now.
-    pub fn report(&mut self) -> Report {
-        self.engine.run(&self.report_graph, &mut self.warehouse);
-        self.ledger.report(&self.scene, &self.warehouse, self.steps)
+    /// Energies, momenta and failures now, over all ranks.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn report(&mut self) -> Result<Report, NetworkError> {
+        let Self { engine, report_graph: graph, warehouse, network, .. } = self;
+        engine.run(graph, warehouse, &mut **network)?;
+        engine.reduce(&graph.at_end, &mut warehouse.shared, &mut **network)?;
+        Ok(self.ledger.report(&self.scene, &self.warehouse, self.steps))
     }
 
     /// One number that changes with any bit of any particle, whatever the order, patches and threads.
-    pub fn state_hash(&self) -> u64 {
-        hash::state_hash(&self.warehouse)
+    pub fn state_hash(&mut self) -> u64 {
+        let mut total = [hash::particles(&self.warehouse)];
+        // a rank that is gone stops the next exchange of a step or of output
+        let _ = collective::sum(&mut *self.network, &mut total);
+        hash::state(total[0], &self.warehouse)
     }
 
     /// The particles, for output.
@@ -254,17 +271,16 @@ impl Simulation {
         Snapshot::new(self)
     }
 
-    fn relocate(&mut self) -> Result<(), RunError> {
-        let (warehouse, engine) = (&mut self.warehouse, &self.engine);
-        let moved = |material: usize| engine.ended(material);
-        let relocate = || relocate::relocate(warehouse, moved);
-        let (left, particles) = engine.metered(What::Relocation, relocate);
-        self.updates += particles;
-        let Some(first) = left.first() else { return Ok(()) };
-        if self.scene.run.leaving == Leaving::Error {
-            return Err(fault::left(&self.scene, first, left.len(), self.clock().time));
+    fn carry_out(&mut self, relocation: Relocation) -> Result<(), RunError> {
+        self.updates += relocation.particles;
+        if let Some(first) = relocation.left().first() {
+            if self.scene.run.leaving == Leaving::Error {
+                return Err(fault::left(&self.scene, first, relocation.left().len(), self.clock().time));
+            }
+            relocation.left().iter().for_each(|particle| self.ledger.delete(particle));
         }
-        left.iter().for_each(|particle| self.ledger.delete(particle));
+        let (warehouse, engine) = (&mut self.warehouse, &self.engine);
+        engine.metered(What::Relocation, || relocation.carry_out(warehouse));
         Ok(())
     }
 

@@ -72,7 +72,7 @@ impl Recorder {
 
     fn row(&mut self, simulation: &mut Simulation) -> output::Result<()> {
         let began = Instant::now();
-        let report = simulation.report();
+        let report = simulation.report()?;
         self.history.row(&cells(&report))?;
         self.output_s += began.elapsed().as_secs_f64();
         Ok(())
@@ -100,7 +100,7 @@ impl Recorder {
             writer.close()?;
         }
         let wall = self.began.elapsed().as_secs_f64();
-        let summary = summarize(simulation, wall, wall - self.output_s, error);
+        let summary = summarize(simulation, wall, wall - self.output_s, error)?;
         summary.write(&self.folder.join("summary.json"))?;
         Ok(summary)
     }
@@ -166,8 +166,13 @@ fn failed(reports: &[&MaterialReport]) -> Failed {
     Failed { matrix, fiber, total, any: matrix + fiber + total }
 }
 
-fn summarize(simulation: &mut Simulation, wall_s: f64, stepping_s: f64, error: Option<String>) -> Summary {
-    let report = simulation.report();
+fn summarize(
+    simulation: &mut Simulation,
+    wall_s: f64,
+    stepping_s: f64,
+    error: Option<String>,
+) -> output::Result<Summary> {
+    let report = simulation.report()?;
     let energy = report.energy();
     let rate = simulation.updates() as f64 / stepping_s.max(f64::MIN_POSITIVE);
     let total = |part: fn(&MaterialReport) -> [f64; 3]| {
@@ -182,7 +187,7 @@ fn summarize(simulation: &mut Simulation, wall_s: f64, stepping_s: f64, error: O
         ("ticks", simulation.ticks().into()),
         ("updates", simulation.updates().into()),
     ];
-    Summary {
+    Ok(Summary {
         status: if error.is_some() { Status::Failed } else { Status::Completed },
         error,
         scene: simulation.scene.name.clone(),
@@ -218,7 +223,7 @@ fn summarize(simulation: &mut Simulation, wall_s: f64, stepping_s: f64, error: O
         crushed_particles: report.materials.iter().map(|m| m.failed[3]).sum(),
         materials: materials(simulation, &report),
         more: more.map(|(k, v)| (k.to_owned(), v)).into(),
-    }
+    })
 }
 
 fn first_failures(report: &Report) -> BTreeMap<String, FirstFailure> {
