@@ -7,6 +7,8 @@ use std::collections::HashMap;
 
 /// Layers around the level that maps hold, so that no neighbor is outside of them.
 const PADDING: i32 = 3;
+/// The farthest [`Warehouse::sight`].
+pub const FARTHEST: i32 = 3;
 
 /// Patch and position of a block, or `NOWHERE`.
 type Place = (u32, u32);
@@ -78,7 +80,7 @@ impl Warehouse {
     /// How far blocks count: particles of two materials may meet at nodes if their blocks are two apart, and one more
     /// where a material moves while another waits.
     pub fn sight(&self) -> i32 {
-        if self.own_rates { 3 } else { 2 }
+        if self.own_rates { FARTHEST } else { FARTHEST - 1 }
     }
 
     /// A box around all blocks that this rank knows.

@@ -135,6 +135,24 @@ impl Warehouse {
         Self { level, decomposition, partition, materials, particles, nodes, shared, stale, own_rates }
     }
 
+    /// Gives patches to other ranks. Whoever calls it has seen to the blocks: those of patches that are not this rank's any
+    /// more are dropped.
+    pub fn set_partition(&mut self, partition: Partition) {
+        self.partition = partition;
+        for (patch, homes) in self.particles.iter_mut().enumerate() {
+            let mine = self.partition.is_mine(patch);
+            let slots = if mine { self.decomposition.patches[patch].blocks.len() } else { 0 };
+            for home in homes {
+                home.blocks.retain(|_| mine);
+                home.lookup = vec![0; slots];
+            }
+            if !mine {
+                self.nodes[patch] = NodePatch::default();
+            }
+        }
+        self.stale = true;
+    }
+
     /// Number of particles on this rank.
     pub fn particle_count(&self) -> usize {
         self.blocks().map(|(_, block)| block.count).sum()

@@ -5,6 +5,7 @@ use super::buffers::Buffers;
 use super::lending::{begin, collect, lend};
 use super::meter::{Laps, Tally, What};
 use super::ranks::ghosts::Ghosts;
+use super::ranks::migrate;
 use super::ranks::occupied::{self, Beside};
 use super::ranks::reduction::{self, Counters};
 use super::ranks::{Network, NetworkError};
@@ -20,7 +21,8 @@ use crate::data::warehouse::{Shared, Warehouse};
 use crate::graph::build::TaskGraph;
 use crate::graph::fuse::{Phase, Stage};
 use crate::graph::task::Domain;
-use crate::simd::Isa;
+use crate::grid::Partition;
+use crate::simd::{Isa, Wide};
 use std::ops::Range;
 use std::sync::Mutex;
 
@@ -48,7 +50,7 @@ impl<E: Executor> Engine<E> {
         let scratch = (0..executor.workers()).map(|_| scratch()).collect();
         let schedule = Schedule::everyone(warehouse.materials.len());
         let (memory, buffers, slabs) = (Memory::default(), Buffers::default(), Vec::new());
-        let beside = occupied::beside(&warehouse.decomposition, &warehouse.partition, warehouse.sight());
+        let beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
         let (ghosts, metered) = (Ghosts::default(), false);
         Self { executor, isa, scratch, schedule, memory, buffers, slabs, beside, ghosts, metered }
     }
@@ -141,6 +143,21 @@ impl<E: Executor> Engine<E> {
         }
         self.slabs.clear();
         Ok(())
+    }
+
+    /// Gives patches to the ranks that `partition` wants; returns how many bytes this rank sent.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn migrate(
+        &mut self,
+        partition: Partition,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+    ) -> Result<usize, NetworkError> {
+        let lines = migrate::migrate(network, warehouse, partition)?;
+        self.beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
+        Ok(lines * size_of::<Wide>())
     }
 
     /// Brings the parts of all ranks of some labels together.

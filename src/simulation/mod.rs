@@ -200,6 +200,17 @@ impl Simulation {
         Ok(())
     }
 
+    /// Gives each patch to a rank, between two steps. All ranks call it, with the same list.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn set_ranks(&mut self, of: Vec<u32>) -> Result<(), RunError> {
+        let Self { engine, warehouse, network, .. } = self;
+        let partition = Partition::new(of, network.rank(), network.size());
+        engine.migrate(partition, warehouse, &mut **network)?;
+        Ok(())
+    }
+
     /// Whether the end of the run is reached.
     pub fn finished(&self) -> bool {
         self.clock().time >= self.scene.run.until

@@ -21,6 +21,14 @@ pub enum NetworkError {
         /// How many came to one.
         came: u64,
     },
+    /// A patch that did not arrive whole at its new rank.
+    #[error("patch {patch} from rank {rank} is not whole. This is an error in Sinew, please report it")]
+    Patch {
+        /// The patch.
+        patch: usize,
+        /// Who sent it.
+        rank: usize,
+    },
     /// A message that does not hold what both sides know it must.
     #[error(
         "a message of rank {rank} about {channel:?} has {lines} lines instead of {expected}. This is an error in Sinew, please report it"

@@ -3,6 +3,7 @@ pub mod collective;
 mod error;
 pub mod ghosts;
 pub mod local;
+pub mod migrate;
 pub mod occupied;
 pub mod reduction;
 

@@ -1,5 +1,6 @@
 //! Ranks tell their neighbors which of their blocks are occupied.
 use super::{Channel, Network, NetworkError, pack, unpack};
+use crate::data::activate::FARTHEST;
 use crate::data::warehouse::Warehouse;
 use crate::grid::{BlockIndex, Decomposition, IndexBox, Partition};
 
@@ -12,11 +13,11 @@ pub struct Beside {
     pub patches: Vec<IndexBox>,
 }
 
-/// The ranks that have blocks at most `sight` away from this one's, ascending.
-pub fn beside(decomposition: &Decomposition, partition: &Partition, sight: i32) -> Vec<Beside> {
+/// The ranks that have blocks in sight of this one's, ascending.
+pub fn beside(decomposition: &Decomposition, partition: &Partition) -> Vec<Beside> {
     let mut ranks: Vec<Beside> = Vec::new();
     let mine: Vec<IndexBox> =
-        partition.mine().map(|patch| decomposition.patches[patch].blocks.grown(sight)).collect();
+        partition.mine().map(|patch| decomposition.patches[patch].blocks.grown(FARTHEST)).collect();
     for patch in decomposition.patches.iter().filter(|patch| !partition.is_mine(patch.id)) {
         if mine.iter().any(|seen| !seen.common(&patch.blocks).is_empty()) {
             let rank = partition.rank_of(patch.id);
