@@ -4,6 +4,9 @@ mod error;
 pub mod ghosts;
 pub mod local;
 pub mod migrate;
+#[cfg(feature = "mpi")]
+#[allow(unsafe_code)]
+pub mod mpi;
 pub mod occupied;
 pub mod reduction;
 
@@ -72,6 +75,11 @@ pub trait Network {
 
     /// Takes back the memory of a message that has been read.
     fn give_back(&mut self, _message: Vec<Wide>) {}
+
+    /// Ends all ranks at once, where they cannot agree on an end.
+    fn abort(&mut self, status: i32) {
+        std::process::exit(status);
+    }
 }
 
 /// A run on one rank.
