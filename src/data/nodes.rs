@@ -24,6 +24,8 @@ pub struct NodeBlock {
     pub around: Vec<[(u32, u32); 27]>,
     /// Whether particles of another rank give to it.
     pub rim: bool,
+    /// What work on it took, while that is weighed [ns].
+    pub cost: u64,
 }
 
 impl NodeBlock {
@@ -32,7 +34,7 @@ impl NodeBlock {
         let motion = vec![Wide::default(); NODES * present.len()];
         let around = vec![[NOWHERE; 27]; present.len()];
         let until = vec![NEVER; present.len()];
-        Self { index, present, motion, impulse: Vec::new(), until, around, rim: false }
+        Self { index, present, motion, impulse: Vec::new(), until, around, rim: false, cost: 0 }
     }
 
     /// As `old`, but for other materials: those that stay keep the motion that they have in the middle of a step.

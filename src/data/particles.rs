@@ -67,6 +67,8 @@ pub struct ParticleBlock {
     pub near: bool,
     /// Whether its particles share node blocks with another rank's, or with nodes that do.
     pub rim: bool,
+    /// What work on it took, while that is weighed [ns].
+    pub cost: u64,
     /// Node blocks around, in the order of `grid::around`: (patch, position), see `warehouse`.
     pub around: [(u32, u32); 27],
 }
@@ -84,6 +86,7 @@ impl ParticleBlock {
             touched: IndexBox { lower: [0; 3], upper: [0; 3] },
             near: false,
             rim: false,
+            cost: 0,
             around: [(u32::MAX, u32::MAX); 27],
         }
     }

@@ -217,6 +217,14 @@ impl Warehouse {
         counts
     }
 
+    /// What work on a patch took since this was asked last, while it was weighed [ns].
+    pub fn take_cost(&mut self, patch: usize) -> u64 {
+        let blocks = self.particles[patch].iter_mut().flat_map(|home| &mut home.blocks);
+        let particles: u64 = blocks.map(|block| std::mem::take(&mut block.cost)).sum();
+        let nodes = self.nodes[patch].blocks.iter_mut();
+        particles + nodes.map(|block| std::mem::take(&mut block.cost)).sum::<u64>()
+    }
+
     /// Number of nodes in active blocks.
     pub fn node_count(&self) -> usize {
         NODES * self.nodes.iter().map(|patch| patch.blocks.len()).sum::<usize>()

@@ -2,12 +2,15 @@
 use super::ranks::occupied::Beside;
 use super::ranks::reduction::{self, Counters};
 use super::ranks::{Channel, Network, NetworkError, collective, pack, unpack};
+use crate::data::exact_sum::ExactSum;
 use crate::data::extent::{MARGIN, bounds};
 use crate::data::labels::LabelId;
 use crate::data::particles::{Layout, ParticleBlock};
+use crate::data::reduction::clear;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::grid::{BLOCK, BlockIndex, Level};
 use crate::physics::shape::{BASES, BELOW};
+use std::borrow::Cow;
 
 /// A particle on its way.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +49,8 @@ pub struct Relocation {
     news: bool,
     /// Particles here, of the materials that moved.
     pub particles: u64,
+    /// Particles that came back into the level, on all ranks.
+    pub reflected: u64,
 }
 
 /// Indices of [`Counters`].
@@ -56,10 +61,11 @@ const SENT_WHO: usize = 3;
 const CAME: usize = 4;
 const CAME_WHO: usize = 5;
 const LEFT: usize = 6;
+const REFLECTED: usize = 7;
 
 impl Relocation {
     /// Finds the particles of the materials that `moved` and need to move, and brings those to the ranks where they belong;
-    /// on the way, the `labels` are reduced over all ranks.
+    /// on the way, the `labels` are reduced over all ranks. If `reflect`, those outside the level are put back.
     ///
     /// Looks only at blocks whose extent (label `BlockExtent`) says that somebody left. Whether a particle moves
     /// depends on the particle alone, and arrivals are ordered by where they come from: no decomposition shows.
@@ -72,21 +78,33 @@ impl Relocation {
         beside: &[Beside],
         moved: impl Fn(usize) -> bool,
         labels: &[LabelId],
+        reflect: bool,
     ) -> Result<Self, NetworkError> {
-        let (mut relocation, travelers) = Self::depart(warehouse, &moved);
+        let mut labels = Cow::from(labels);
+        if reflect && !labels.contains(&LabelId::BoundaryWork) {
+            // nobody else uses it in this run
+            clear(LabelId::BoundaryWork.reduce(), warehouse.shared.column_mut(LabelId::BoundaryWork));
+            labels.to_mut().push(LabelId::BoundaryWork);
+        }
+        let (mut relocation, mut travelers, gone) = Self::depart(warehouse, &moved);
+        for mut traveler in gone {
+            let back = reflect && traveler.reflect(warehouse);
+            relocation.reflected += u64::from(back);
+            if back { travelers.push(traveler) } else { relocation.left.push(traveler.who) }
+        }
         if network.size() == 1 {
             relocation.arriving = travelers;
         } else {
-            relocation.travel(warehouse, network, beside, travelers, moved, labels)?;
+            relocation.travel(warehouse, network, beside, travelers, moved, &labels)?;
         }
         relocation.arriving.sort_by_key(|t| (t.who.material, t.from));
         relocation.left.sort_by_key(|left| left.identity);
         Ok(relocation)
     }
 
-    /// Those that leave their blocks here.
-    fn depart(warehouse: &Warehouse, moved: &impl Fn(usize) -> bool) -> (Self, Vec<Traveler>) {
-        let (mut relocation, mut travelers) = (Self::default(), Vec::new());
+    /// Those that leave their blocks here for others, and for nowhere.
+    fn depart(warehouse: &Warehouse, moved: &impl Fn(usize) -> bool) -> (Self, Vec<Traveler>, Vec<Traveler>) {
+        let (mut relocation, mut travelers, mut lost) = (Self::default(), Vec::new(), Vec::new());
         let level = &warehouse.level;
         for patch in warehouse.partition.mine() {
             let homes = warehouse.particles[patch].iter().enumerate();
@@ -99,7 +117,7 @@ impl Relocation {
                             depart(level, data, (patch, material), block, &mut |traveler, gone| {
                                 let homeless = || warehouse.home(material, traveler.who.position).is_err();
                                 match gone || homeless() {
-                                    true => relocation.left.push(traveler.who),
+                                    true => lost.push(traveler),
                                     false => travelers.push(traveler),
                                 }
                             });
@@ -110,7 +128,7 @@ impl Relocation {
                 }
             }
         }
-        (relocation, travelers)
+        (relocation, travelers, lost)
     }
 
     /// Sends travelers to their ranks, and takes in those that come here.
@@ -154,6 +172,7 @@ impl Relocation {
         let known = |t: &Traveler| warehouse.is_occupied(t.who.material, t.who.position);
         counters[NEWS] = u64::from(!self.arriving.iter().all(known));
         counters[LEFT] = self.left.len() as u64;
+        counters[REFLECTED] = self.reflected;
         reduction::reduce(network, labels, moved, &mut warehouse.shared, &mut counters)?;
         if counters[FAR] > 0 {
             // rare: somebody flies over a whole rank in a step
@@ -167,6 +186,7 @@ impl Relocation {
         if counters[LEFT] > 0 {
             self.share_left(network)?;
         }
+        self.reflected = counters[REFLECTED];
         self.news = counters[NEWS] > 0 || counters[FAR] > 0;
         if counters[SENT] != counters[CAME] || counters[SENT_WHO] != counters[CAME_WHO] {
             return Err(NetworkError::Particles { sent: counters[SENT], came: counters[CAME] });
@@ -217,6 +237,28 @@ impl Relocation {
 }
 
 impl Traveler {
+    /// Mirrors position and velocity at the faces of the level behind which the particle is, and books what the faces give
+    /// it; returns whether it is in the level then.
+    fn reflect(&mut self, warehouse: &mut Warehouse) -> bool {
+        let (lower, upper) = (warehouse.level.lower, warehouse.level.upper());
+        let starts = warehouse.materials[self.who.material].layout.starts;
+        let boundary = warehouse.shared.column_mut(LabelId::BoundaryWork);
+        let sums: &mut [ExactSum] = bytemuck::cast_slice_mut(boundary);
+        for axis in 0..3 {
+            let (x, v) = (&mut self.who.position[axis], &mut self.who.velocity[axis]);
+            let (low, high) = (lower[axis], upper[axis]);
+            if *x < low || *x > high {
+                let face = if *x < low { low } else { high };
+                *x = (2.0 * face - *x).clamp(low, high);
+                sums[1 + axis].add(-2.0 * self.who.mass * *v);
+                *v = -*v;
+            }
+            self.record[starts[LabelId::Position as usize] + axis] = *x;
+            self.record[starts[LabelId::Velocity as usize] + axis] = *v;
+        }
+        warehouse.home(self.who.material, self.who.position).is_ok()
+    }
+
     /// Words before the record.
     const HEAD: usize = 4 + Left::WORDS;
 

@@ -41,6 +41,8 @@ pub struct Engine<E> {
     /// What passes between them and this one.
     ghosts: Ghosts,
     metered: bool,
+    /// Whether blocks remember what work on them takes.
+    weighing: bool,
 }
 
 impl<E: Executor> Engine<E> {
@@ -51,8 +53,8 @@ impl<E: Executor> Engine<E> {
         let schedule = Schedule::everyone(warehouse.materials.len());
         let (memory, buffers, slabs) = (Memory::default(), Buffers::default(), Vec::new());
         let beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
-        let (ghosts, metered) = (Ghosts::default(), false);
-        Self { executor, isa, scratch, schedule, memory, buffers, slabs, beside, ghosts, metered }
+        let (ghosts, metered, weighing) = (Ghosts::default(), false, false);
+        Self { executor, isa, scratch, schedule, memory, buffers, slabs, beside, ghosts, metered, weighing }
     }
 
     /// Instruction set that tasks run on.
@@ -82,6 +84,11 @@ impl<E: Executor> Engine<E> {
         let mut sum = Tally::default();
         (0..self.workers()).for_each(|w| sum.merge(&lock(&self.scratch[w]).tally.take()));
         sum
+    }
+
+    /// Lets blocks remember what work on them takes from now on, or stops that.
+    pub fn set_weighing(&mut self, on: bool) {
+        self.weighing = on;
     }
 
     /// Does work of its own, and meters it as `what`.
@@ -176,7 +183,8 @@ impl<E: Executor> Engine<E> {
         reduction::reduce(network, labels, |m| self.schedule.ends(m), shared, &mut Counters::default())
     }
 
-    /// Finds the particles that have to move after a tick of `graph`, and completes its reductions.
+    /// Finds the particles that have to move after a tick of `graph`, and completes its reductions. If `reflect`, particles
+    /// outside the level come back.
     ///
     /// # Errors
     /// If a rank or a particle is gone.
@@ -185,9 +193,10 @@ impl<E: Executor> Engine<E> {
         graph: &TaskGraph,
         warehouse: &mut Warehouse,
         network: &mut dyn Network,
+        reflect: bool,
     ) -> Result<Relocation, NetworkError> {
         let moved = |material: usize| self.schedule.ends(material);
-        let prepare = || Relocation::prepare(warehouse, network, &self.beside, moved, &graph.at_end);
+        let prepare = || Relocation::prepare(warehouse, network, &self.beside, moved, &graph.at_end, reflect);
         self.metered(What::Relocation, prepare)
     }
 
@@ -199,7 +208,9 @@ impl<E: Executor> Engine<E> {
         warehouse: &mut Warehouse,
         network: &mut dyn Network,
     ) -> Result<(), NetworkError> {
-        let Self { executor, isa, scratch, schedule, metered, memory, buffers, slabs, ghosts, .. } = self;
+        let Self {
+            executor, isa, scratch, schedule, metered, memory, buffers, slabs, ghosts, weighing, ..
+        } = self;
         let Warehouse { level, decomposition, partition, materials, particles, nodes, shared, .. } =
             warehouse;
         let context = Context { isa: *isa, recipe: &graph.recipe, level, materials, schedule, buffers };
@@ -217,7 +228,7 @@ impl<E: Executor> Engine<E> {
         let blocks = level.blocks();
         let whole = blocks.lower[0]..blocks.upper[0];
         let slabs = if wave::busy(schedule, particles) { &slabs[..] } else { std::slice::from_ref(&whole) };
-        let mut work = Work { executor, context, scratch, memory, metered: *metered };
+        let mut work = Work { executor, context, scratch, memory, metered: *metered, weighing: *weighing };
         let mut data = Blocks { decomposition, partition, particles, nodes };
         if network.size() == 1 {
             executor.enter(|| {

@@ -11,6 +11,7 @@ use crate::graph::task::Domain;
 use crate::grid::{Decomposition, Partition};
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 /// What a wave works with.
 pub struct Work<'a, E> {
@@ -24,6 +25,8 @@ pub struct Work<'a, E> {
     pub memory: &'a mut Memory,
     /// Whether work is metered.
     pub metered: bool,
+    /// Whether blocks remember what work on them takes.
+    pub weighing: bool,
 }
 
 /// Which blocks of a phase.
@@ -63,7 +66,7 @@ impl<E: Executor> Work<'_, E> {
     }
 
     fn over_nodes(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
-        let Self { executor, context, scratch, memory, metered } = self;
+        let Self { executor, context, scratch, memory, metered, weighing } = self;
         let Some(stage) = phase.stages.first() else { return };
         let (awake, next) = (context.schedule.awake(), context.schedule.next());
         let mut items = recycle(std::mem::take(&mut memory.nodes));
@@ -80,7 +83,9 @@ impl<E: Executor> Work<'_, E> {
         }
         let update = if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
         executor.each(&mut items, |worker, block| {
+            let began = weighing.then(Instant::now);
             let ran = update(context, stage, data.particles, &mut lock(&scratch[worker]), block);
+            block.cost += began.map_or(0, |began| began.elapsed().as_nanos() as u64);
             if ran && phase.settles {
                 block.until.fill(next);
             }
@@ -89,7 +94,7 @@ impl<E: Executor> Work<'_, E> {
     }
 
     fn over_particles(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
-        let Self { executor, context, scratch, memory, metered } = self;
+        let Self { executor, context, scratch, memory, metered, weighing } = self;
         let mut items = recycle(std::mem::take(&mut memory.particles));
         let layers = which.layers();
         for (homes, patch) in data
@@ -107,7 +112,9 @@ impl<E: Executor> Work<'_, E> {
         }
         let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
         executor.each(&mut items, |worker, (stage, block)| {
+            let began = weighing.then(Instant::now);
             sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
+            block.cost += began.map_or(0, |began| began.elapsed().as_nanos() as u64);
         });
         memory.particles = recycle(items);
     }

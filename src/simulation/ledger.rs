@@ -101,6 +101,8 @@ pub struct Report {
     pub deleted_energy: f64,
     /// Deleted particles.
     pub deleted: u64,
+    /// How often a particle was put back into the domain.
+    pub reflected: u64,
     /// What the accounts do not explain [J]: initial energy + boundary work − all energy now.
     pub residual: f64,
 }
@@ -129,6 +131,7 @@ pub struct Ledger {
     boundary_impulse: [f64; 3],
     deleted: u64,
     deleted_energy: f64,
+    reflected: u64,
     first_failure: Vec<[Option<FirstFailure>; 2]>,
 }
 
@@ -159,6 +162,11 @@ impl Ledger {
         }
     }
 
+    /// Counts particles that came back into the domain.
+    pub fn reflect(&mut self, particles: u64) {
+        self.reflected += particles;
+    }
+
     /// Counts a particle that left the domain.
     pub fn delete(&mut self, left: &Left) {
         self.deleted += 1;
@@ -182,6 +190,7 @@ impl Ledger {
             boundary_impulse: self.boundary_impulse,
             deleted_energy: self.deleted_energy,
             deleted: self.deleted,
+            reflected: self.reflected,
             residual: 0.0,
         };
         let lost = self.friction + self.impact + self.transfer + self.deleted_energy;

@@ -1,4 +1,5 @@
 //! A run: a scene becomes particles and graphs, steps are taken, faults become errors.
+mod balance;
 pub mod fault;
 mod hash;
 pub mod ledger;
@@ -8,6 +9,7 @@ pub mod rates;
 pub mod recorder;
 mod snapshot;
 
+pub use balance::Balance;
 pub use fault::RunError;
 pub use ledger::{Energies, Ledger, MaterialReport, Report};
 pub use snapshot::Snapshot;
@@ -99,6 +101,7 @@ pub struct Simulation {
     ledger: Ledger,
     steps: u64,
     updates: u64,
+    balance: Balance,
 }
 
 impl Simulation {
@@ -117,20 +120,14 @@ impl Simulation {
     pub fn on(network: Box<dyn Network>, scene: Scene, isa: Isa) -> Result<Self, RunError> {
         let level = Level { lower: scene.domain.lower, cell: scene.domain.cell, cells: scene.domain.cells };
         let threads = scene.run.threads.unwrap_or_else(available_threads);
-        let counts = scene
-            .run
-            .patches
-            .unwrap_or_else(|| Decomposition::automatic(&level, 8 * threads * network.size()));
+        let census = populate::census(&scene, &level);
+        let automatic = || Decomposition::automatic(&level, 8 * threads * network.size(), &census);
+        let counts = scene.run.patches.unwrap_or_else(automatic);
         let decomposition = Decomposition::new(&level, counts).map_err(RunError::Patches)?;
         let patches = decomposition.patches.len();
-        let partition = match network.size() {
-            1 => Partition::alone(patches),
-            ranks => {
-                let costs = populate::counts(&scene, &level, &decomposition);
-                Partition::by_cost(&decomposition, &costs, network.rank(), ranks)
-                    .map_err(RunError::Patches)?
-            }
-        };
+        let loads = decomposition.loads(&census);
+        let partition = Partition::by_cost(&decomposition, &loads, network.rank(), network.size())
+            .map_err(RunError::Patches)?;
         let graph = step_graph(&scene, patches)?;
         let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
         let start = TaskGraph::build(timestep::start(&scene), WANTED, patches)?;
@@ -139,8 +136,9 @@ impl Simulation {
         warehouse.own_rates = scene.run.rates != Rates::Common;
         let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
         let ledger = Ledger::default();
+        let (steps, updates, balance) = (0, 0, Balance::default());
         let mut simulation =
-            Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps: 0, updates: 0 };
+            Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps, updates, balance };
         simulation.begin(&start)?;
         simulation.updates = 0;
         let report = simulation.report()?;
@@ -152,7 +150,7 @@ impl Simulation {
     fn begin(&mut self, start: &TaskGraph) -> Result<(), RunError> {
         let Self { engine, warehouse, network, .. } = self;
         engine.run(start, warehouse, &mut **network)?;
-        let relocation = engine.relocate(start, warehouse, &mut **network)?;
+        let relocation = engine.relocate(start, warehouse, &mut **network, false)?;
         self.check_faults()?;
         self.carry_out(relocation)
     }
@@ -170,14 +168,16 @@ impl Simulation {
             self.tick()?;
         }
         self.steps += 1;
+        self.share_load()?;
         Ok(true)
     }
 
     /// The part of a step that the fastest material takes at once.
     fn tick(&mut self) -> Result<(), RunError> {
+        let reflect = self.scene.run.leaving == Leaving::Reflect;
         let Self { engine, graph, warehouse, network, .. } = self;
         engine.run(graph, warehouse, &mut **network)?;
-        let relocation = engine.relocate(graph, warehouse, &mut **network)?;
+        let relocation = engine.relocate(graph, warehouse, &mut **network, reflect)?;
         let mut clock = self.clock();
         self.check_step(&clock)?;
         self.check_faults()?;
@@ -284,6 +284,7 @@ impl Simulation {
 
     fn carry_out(&mut self, relocation: Relocation) -> Result<(), RunError> {
         self.updates += relocation.particles;
+        self.ledger.reflect(relocation.reflected);
         if let Some(first) = relocation.left().first() {
             if self.scene.run.leaving == Leaving::Error {
                 return Err(fault::left(&self.scene, first, relocation.left().len(), self.clock().time));

@@ -5,25 +5,26 @@ use crate::data::particles::Layout;
 use crate::data::shared::{Clock, RigidState};
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::graph::build::TaskGraph;
-use crate::grid::{Decomposition, Level, Partition};
+use crate::grid::{BlockIndex, Decomposition, Level, Partition};
 use crate::input::lattice;
 use crate::input::scene::{Behavior, Body, RigidMotion, Scene};
 use crate::physics::law::{Law, Variable};
 use crate::physics::materials::WithLaw;
 use crate::tasks::timestep;
 use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeMap;
 
-/// Number of particles of `scene` in each patch.
-pub fn counts(scene: &Scene, level: &Level, decomposition: &Decomposition) -> Vec<u64> {
-    let mut counts = vec![0; decomposition.patches.len()];
+/// The blocks that the particles of `scene` occupy, with their number.
+pub fn census(scene: &Scene, level: &Level) -> Vec<(BlockIndex, u64)> {
+    let mut blocks = BTreeMap::new();
     for body in &scene.bodies {
         let half_size = timestep::half_size(scene, body.material);
         for x in lattice::sample(scene, body) {
             let block = Level::block_of(level.base_node(x, half_size));
-            decomposition.owner(block).into_iter().for_each(|patch| counts[patch] += 1);
+            *blocks.entry(block).or_default() += 1;
         }
     }
-    counts
+    blocks.into_iter().collect()
 }
 
 /// A warehouse with the particles of `scene` in the patches of this rank, with the labels that `graph` uses.
