@@ -3,10 +3,12 @@ pub mod fault;
 mod hash;
 pub mod ledger;
 mod meter;
+mod parcel;
 mod populate;
 pub mod rates;
 pub mod recorder;
 mod snapshot;
+mod together;
 
 pub use fault::RunError;
 pub use ledger::{Energies, Ledger, MaterialReport, Report};
@@ -16,7 +18,7 @@ use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
 use crate::exec::meter::What;
-use crate::exec::ranks::{Alone, Network};
+use crate::exec::ranks::{Alone, Network, collective};
 use crate::exec::relocate;
 use crate::exec::{Engine, Executor, Serial, Threads};
 use crate::graph::build::TaskGraph;
@@ -241,17 +243,23 @@ impl Simulation {
     /// Energies, momenta and failures now.
     pub fn report(&mut self) -> Report {
         self.engine.run(&self.report_graph, &mut self.warehouse);
-        self.ledger.report(&self.scene, &self.warehouse, self.steps)
+        let mut report = self.ledger.report(&self.scene, &self.warehouse, self.steps);
+        // a rank that is gone stops the next exchange of a step or of output
+        let _ = together::count_particles(&mut *self.network, &mut report);
+        report
     }
 
-    /// One number that changes with any bit of any particle, whatever the order, patches and threads.
-    pub fn state_hash(&self) -> u64 {
-        hash::state_hash(&self.warehouse)
+    /// One number that changes with any bit of any particle, whatever the order, patches, threads and ranks.
+    pub fn state_hash(&mut self) -> u64 {
+        let mut total = [hash::particles(&self.warehouse)];
+        // a rank that is gone stops the next exchange of a step or of output
+        let _ = collective::sum(&mut *self.network, &mut total);
+        hash::state(total[0], &self.warehouse)
     }
 
-    /// The particles, for output.
+    /// The particles of this rank, for output.
     pub fn snapshot(&self) -> Snapshot<'_> {
-        Snapshot::new(self)
+        Snapshot::new(&self.scene, &self.warehouse)
     }
 
     fn relocate(&mut self) -> Result<(), RunError> {
