@@ -37,6 +37,9 @@ pub enum Error {
         /// What is missing or wrong, and what to do.
         problem: String,
     },
+    /// Another rank failed, or is gone.
+    #[error("{0}")]
+    Ranks(String),
 }
 
 /// A result with [`Error`].

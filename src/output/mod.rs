@@ -1,4 +1,5 @@
 //! Files for people and for other programs.
+pub mod checkpoint;
 mod error;
 pub mod frame;
 pub mod history;

@@ -8,7 +8,7 @@ mod reader;
 mod writer;
 
 pub use reader::Reader;
-pub use writer::Writer;
+pub use writer::{CHUNK, Writer};
 
 /// Names inside the file.
 mod name {

@@ -4,10 +4,12 @@ pub mod fault;
 mod hash;
 pub mod ledger;
 mod meter;
+mod parcel;
 mod populate;
 pub mod rates;
 pub mod recorder;
 mod snapshot;
+mod together;
 
 pub use balance::Balance;
 pub use fault::RunError;
@@ -266,10 +268,12 @@ impl Simulation {
         let Self { engine, report_graph: graph, warehouse, network, .. } = self;
         engine.run(graph, warehouse, &mut **network)?;
         engine.reduce(&graph.at_end, &mut warehouse.shared, &mut **network)?;
-        Ok(self.ledger.report(&self.scene, &self.warehouse, self.steps))
+        let mut report = self.ledger.report(&self.scene, &self.warehouse, self.steps);
+        together::count_particles(&mut *self.network, &mut report)?;
+        Ok(report)
     }
 
-    /// One number that changes with any bit of any particle, whatever the order, patches and threads.
+    /// One number that changes with any bit of any particle, whatever the order, patches, threads and ranks.
     pub fn state_hash(&mut self) -> u64 {
         let mut total = [hash::particles(&self.warehouse)];
         // a rank that is gone stops the next exchange of a step or of output
@@ -277,9 +281,9 @@ impl Simulation {
         hash::state(total[0], &self.warehouse)
     }
 
-    /// The particles, for output.
+    /// The particles of this rank, for output.
     pub fn snapshot(&self) -> Snapshot<'_> {
-        Snapshot::new(self)
+        Snapshot::new(&self.scene, &self.warehouse)
     }
 
     fn carry_out(&mut self, relocation: Relocation) -> Result<(), RunError> {
