@@ -9,6 +9,7 @@ pub mod serial;
 pub mod stage;
 pub mod step;
 pub mod threads;
+pub mod trace;
 pub mod wave;
 
 pub use serial::Serial;

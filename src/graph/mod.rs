@@ -4,6 +4,7 @@ pub mod error;
 pub mod exchange;
 pub mod export;
 pub mod fuse;
+pub mod measured;
 pub mod prune;
 pub mod recipe;
 pub mod task;
