@@ -10,6 +10,7 @@ pub mod stage;
 pub mod step;
 pub mod threads;
 pub mod trace;
+pub mod traffic;
 pub mod wave;
 
 pub use serial::Serial;

@@ -50,7 +50,7 @@ pub const NONE: u32 = u32::MAX;
 pub struct Event {
     /// What it was busy with.
     pub kind: Kind,
-    /// Tasks: the first line of the stage in the recipe. Waits: the phase that needs it, [`NONE`] at the end of a tick.
+    /// Tasks and idleness: the first line of the stage in the recipe, or [`NONE`]. Waits: the phase that needs it, [`NONE`] at the end of a tick.
     pub place: u32,
     /// Index of the material, or [`NONE`].
     pub material: u32,
@@ -93,7 +93,12 @@ impl Event {
         Self::new(Kind::ReduceWait, phase.map_or(NONE, |phase| phase as u32))
     }
 
-    /// Relocation, output or idleness.
+    /// Waiting until the other workers of the rank have done a stage.
+    pub fn idle(stage: &Stage) -> Self {
+        Self { kind: Kind::Idle, ..Self::stage(stage) }
+    }
+
+    /// Relocation, output, or idleness of no stage in particular.
     pub fn other(kind: Kind) -> Self {
         Self::new(kind, NONE)
     }

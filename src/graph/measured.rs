@@ -28,6 +28,8 @@ impl Sum {
 pub enum About {
     /// The fused tasks of a stage, and their material.
     Stage(Vec<String>, Option<String>),
+    /// Waiting until other workers have done a stage.
+    Idle(Vec<String>, Option<String>),
     /// Waiting for the halos before a phase.
     Halo(usize),
     /// Waiting for a reduction before a phase; `None`: at the end of a tick.

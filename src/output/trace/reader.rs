@@ -99,6 +99,7 @@ fn add(measured: &mut Measured, worker: &mut Worker, line: &Line) {
     let kind = Kind::ALL.into_iter().find(|kind| kind.name() == line.cat);
     let about = match kind {
         Some(Kind::Task) => About::Stage(args.tasks.clone(), args.material.clone()),
+        Some(Kind::Idle) => About::Idle(args.tasks.clone(), args.material.clone()),
         Some(Kind::HaloWait) => About::Halo(args.phase.unwrap_or_default()),
         Some(Kind::ReduceWait) => About::Reduction(args.phase),
         _ => About::Other(line.cat.clone()),

@@ -162,13 +162,13 @@ impl<'a> Writer<'a> {
         };
         let phase = self.graph.phases.get(event.place as usize);
         match (event.kind, phase) {
-            (Kind::Task, _) => {
+            (Kind::Task | Kind::Idle, _) => {
                 let nodes = self.stages.get(&event.place).map_or(&[][..], |stage| &stage.nodes[..]);
                 let tasks: Vec<&str> = nodes.iter().map(|&n| self.graph.graph[n].declaration.name).collect();
                 let name = match tasks[..] {
-                    [] => event.kind.name().to_owned(),
-                    [one] => one.to_owned(),
-                    [first, .., last] => format!("{first} … {last}"),
+                    [one] if event.kind == Kind::Task => one.to_owned(),
+                    [first, .., last] if event.kind == Kind::Task => format!("{first} … {last}"),
+                    _ => event.kind.name().to_owned(),
                 };
                 (name, tasks)
             }
