@@ -11,6 +11,8 @@ pub mod serial;
 pub mod stage;
 pub mod step;
 pub mod threads;
+pub mod trace;
+pub mod traffic;
 pub mod wave;
 mod work;
 

@@ -1,0 +1,69 @@
+//! What a scene would exchange and cost, from the scene alone: no step is taken and no particle data are stored.
+use crate::data::particles::Layout;
+use crate::data::warehouse::{MaterialData, Warehouse};
+use crate::exec::traffic;
+use crate::graph::traffic::Traffic;
+use crate::grid::{Decomposition, Level, Partition};
+use crate::input::lattice;
+use crate::input::scene::{Rates, Scene};
+use crate::tasks::timestep;
+
+/// A scene cut into patches, and these given to ranks as a run would.
+pub struct Plan {
+    /// The patches.
+    pub decomposition: Decomposition,
+    /// Their ranks, seen from rank 0.
+    pub partition: Partition,
+    /// What travels in a tick in which all materials act, at the start.
+    pub traffic: Traffic,
+}
+
+/// The level of a scene.
+pub fn level(scene: &Scene) -> Level {
+    Level { lower: scene.domain.lower, cell: scene.domain.cell, cells: scene.domain.cells }
+}
+
+/// Plans a run of `scene` on `patches` patches along each axis and `ranks` ranks.
+///
+/// # Errors
+/// Patches that do not fit the level, fewer patches than ranks, or no ranks.
+pub fn plan(scene: &Scene, patches: [usize; 3], ranks: usize) -> Result<Plan, String> {
+    if ranks == 0 {
+        return Err("0 ranks cannot run anything: give --ranks 1 or more".to_owned());
+    }
+    let decomposition = Decomposition::new(&level(scene), patches)?;
+    let warehouse = outline(scene, decomposition.clone());
+    let costs: Vec<u64> = warehouse.particles.iter().map(|homes| count(homes)).collect();
+    let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
+    let traffic = traffic::count(&warehouse, &partition);
+    Ok(Plan { decomposition, partition, traffic })
+}
+
+fn count(homes: &[crate::data::warehouse::ParticlePatch]) -> u64 {
+    homes.iter().flat_map(|home| &home.blocks).map(|block| block.count as u64).sum()
+}
+
+/// The blocks of the scene's start with their extents, neighbors and nodes, and particles without any label.
+pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
+    let materials = (0..scene.materials.len()).map(|material| MaterialData {
+        name: scene.materials[material].name.clone(),
+        layout: Layout::new([], Vec::new()),
+        half_size: timestep::half_size(scene, material),
+        contacts: (0..scene.materials.len())
+            .map(|other| {
+                scene.contacts.iter().any(|c| c.between == [material.min(other), material.max(other)])
+            })
+            .collect(),
+    });
+    let partition = Partition::alone(decomposition.patches.len());
+    let mut warehouse = Warehouse::new(level(scene), decomposition, partition, materials.collect());
+    warehouse.own_rates = scene.run.rates != Rates::Common;
+    for body in &scene.bodies {
+        for x in lattice::sample(scene, body) {
+            // a body that leaves the level is refused by the run; here the rest of it counts
+            let _ = warehouse.insert(body.material, x, &[]);
+        }
+    }
+    warehouse.activate();
+    warehouse
+}
