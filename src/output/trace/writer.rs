@@ -1,5 +1,5 @@
 //! Writes the events of all ranks, piece by piece, so that no rank ever holds those of all.
-use crate::exec::ranks::{Lost, Network, collective, pack, unpack};
+use crate::exec::ranks::{Network, NetworkError, collective, pack, unpack};
 use crate::exec::trace::{Event, Kind, NONE, Recorder, Track};
 use crate::graph::build::TaskGraph;
 use crate::graph::fuse::Stage;
