@@ -3,9 +3,10 @@ use crate::data::particles::Layout;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::exec::traffic;
 use crate::graph::traffic::Traffic;
-use crate::grid::{Decomposition, Level, Partition};
+use crate::grid::{Decomposition, Partition};
 use crate::input::lattice;
 use crate::input::scene::{Rates, Scene};
+use crate::simulation::layout;
 use crate::tasks::timestep;
 
 /// A scene cut into patches, and these given to ranks as a run would.
@@ -18,29 +19,19 @@ pub struct Plan {
     pub traffic: Traffic,
 }
 
-/// The level of a scene.
-pub fn level(scene: &Scene) -> Level {
-    Level { lower: scene.domain.lower, cell: scene.domain.cell, cells: scene.domain.cells }
-}
-
-/// Plans a run of `scene` on `patches` patches along each axis and `ranks` ranks.
+/// Plans a run of `scene` on `ranks` ranks: on the patches that it asks for, or on a patch a rank.
 ///
 /// # Errors
 /// Patches that do not fit the level, fewer patches than ranks, or no ranks.
-pub fn plan(scene: &Scene, patches: [usize; 3], ranks: usize) -> Result<Plan, String> {
+pub fn plan(scene: &Scene, ranks: usize) -> Result<Plan, String> {
     if ranks == 0 {
         return Err("0 ranks cannot run anything: give --ranks 1 or more".to_owned());
     }
-    let decomposition = Decomposition::new(&level(scene), patches)?;
+    let (decomposition, costs) = layout::decompose(scene, ranks)?;
     let warehouse = outline(scene, decomposition.clone());
-    let costs: Vec<u64> = warehouse.particles.iter().map(|homes| count(homes)).collect();
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
     let traffic = traffic::count(&warehouse, &partition);
     Ok(Plan { decomposition, partition, traffic })
-}
-
-fn count(homes: &[crate::data::warehouse::ParticlePatch]) -> u64 {
-    homes.iter().flat_map(|home| &home.blocks).map(|block| block.count as u64).sum()
 }
 
 /// The blocks of the scene's start with their extents, neighbors and nodes, and particles without any label.
@@ -56,7 +47,7 @@ pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
             .collect(),
     });
     let partition = Partition::alone(decomposition.patches.len());
-    let mut warehouse = Warehouse::new(level(scene), decomposition, partition, materials.collect());
+    let mut warehouse = Warehouse::new(layout::level(scene), decomposition, partition, materials.collect());
     warehouse.own_rates = scene.run.rates != Rates::Common;
     for body in &scene.bodies {
         for x in lattice::sample(scene, body) {

@@ -3,17 +3,20 @@
 use super::Executor;
 use super::ranks::ghosts::Ghosts;
 use super::ranks::{Channel, Network, NetworkError};
+use super::trace::Event;
 use super::work::{Blocks, Which, Work};
 use crate::data::labels::LabelId;
 use crate::graph::fuse::Phase;
 use crate::graph::task::Domain;
+use crate::simd::Wide;
 use std::ops::Range;
 
 /// How far the rim is in a wave.
 pub struct Border<'a> {
     network: &'a mut dyn Network,
     ghosts: &'a Ghosts,
-    phases: &'a [Phase],
+    /// Number of the first phase in the graph, and the phases.
+    phases: (usize, &'a [Phase]),
     /// All layers of the level.
     layers: Range<i32>,
     /// The phase that the rim comes to next.
@@ -28,11 +31,11 @@ fn channel(label: LabelId) -> Channel {
 }
 
 impl<'a> Border<'a> {
-    /// The rim before the first of `phases`.
+    /// The rim before the first of `phases`, of which the first has a number in the graph.
     pub fn new(
         network: &'a mut dyn Network,
         ghosts: &'a Ghosts,
-        phases: &'a [Phase],
+        phases: (usize, &'a [Phase]),
         layers: Range<i32>,
     ) -> Self {
         Self { network, ghosts, phases, layers, next: 0, outstanding: Vec::new() }
@@ -48,7 +51,7 @@ impl<'a> Border<'a> {
         data: &mut Blocks<'_>,
         last: bool,
     ) -> Result<(), NetworkError> {
-        while let Some(phase) = self.phases.get(self.next) {
+        while let Some(phase) = self.phases.1.get(self.next) {
             let over_nodes = phase.stages.first().is_some_and(|stage| stage.domain == Domain::Nodes);
             // particles read the motion of interior nodes too
             if self.next > 0 && !over_nodes && !last {
@@ -68,7 +71,7 @@ impl<'a> Border<'a> {
 
     /// The messages that the next phase needs.
     pub fn await_next<E: Executor>(&mut self, work: &Work<'_, E>) {
-        let Some(phase) = self.phases.get(self.next) else { return };
+        let Some(phase) = self.phases.1.get(self.next) else { return };
         let mut channels: Vec<Channel> = phase.halos.iter().map(|&label| channel(label)).collect();
         channels.dedup();
         for channel in channels {
@@ -91,6 +94,10 @@ impl<'a> Border<'a> {
         data: &mut Blocks<'_>,
         wait: bool,
     ) -> Result<(), NetworkError> {
+        if self.outstanding.is_empty() {
+            return Ok(());
+        }
+        let began = work.trace.now();
         for (channel, rank) in std::mem::take(&mut self.outstanding) {
             let message = match wait {
                 true => Some(self.network.receive(rank, channel)?),
@@ -107,6 +114,7 @@ impl<'a> Border<'a> {
             }
             self.network.give_back(message);
         }
+        work.trace.record(0, began, Event::halo(self.phases.0 + self.next));
         Ok(())
     }
 
@@ -115,11 +123,13 @@ impl<'a> Border<'a> {
         let mut channels: Vec<Channel> = phase.sends.iter().map(|&label| channel(label)).collect();
         channels.dedup();
         for channel in channels {
-            let schedule = work.context.schedule;
-            match channel {
+            let (schedule, began) = (work.context.schedule, work.trace.now());
+            let [messages, lines] = match channel {
                 Channel::Motion => self.ghosts.show(self.network, schedule, data.particles, data.nodes),
                 _ => self.ghosts.give(self.network, schedule, data.particles),
-            }
+            };
+            let event = Event::halo(self.phases.0 + self.next).sent(messages, lines * size_of::<Wide>());
+            work.trace.record(0, began, event);
         }
     }
 }

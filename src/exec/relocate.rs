@@ -2,6 +2,7 @@
 use super::ranks::occupied::Beside;
 use super::ranks::reduction::{self, Counters};
 use super::ranks::{Channel, Network, NetworkError, collective, pack, unpack};
+use super::trace::{Event, Kind, Recorder};
 use crate::data::exact_sum::ExactSum;
 use crate::data::extent::{MARGIN, bounds};
 use crate::data::labels::LabelId;
@@ -38,6 +39,20 @@ pub struct Left {
     pub mass: f64,
 }
 
+/// How particles come to other ranks.
+pub struct Way<'a> {
+    /// The ranks.
+    pub network: &'a mut dyn Network,
+    /// Those in sight.
+    pub beside: &'a [Beside],
+    /// What is reduced over all ranks on the way.
+    pub labels: &'a [LabelId],
+    /// Whether particles outside the level are put back.
+    pub reflect: bool,
+    /// What is done when.
+    pub trace: &'a Recorder,
+}
+
 /// Particles that are about to move: they stay in their blocks until [`Relocation::carry_out`].
 #[derive(Debug, Default)]
 pub struct Relocation {
@@ -45,6 +60,8 @@ pub struct Relocation {
     leaving: Vec<([usize; 3], Vec<usize>)>,
     arriving: Vec<Traveler>,
     left: Vec<Left>,
+    /// Travelers to ranks out of sight.
+    far: Vec<u64>,
     /// Whether a block somewhere becomes occupied.
     news: bool,
     /// Particles here, of the materials that moved.
@@ -65,7 +82,7 @@ const REFLECTED: usize = 7;
 
 impl Relocation {
     /// Finds the particles of the materials that `moved` and need to move, and brings those to the ranks where they belong;
-    /// on the way, the `labels` are reduced over all ranks. If `reflect`, those outside the level are put back.
+    /// on the way, labels are reduced over all ranks.
     ///
     /// Looks only at blocks whose extent (label `BlockExtent`) says that somebody left. Whether a particle moves
     /// depends on the particle alone, and arrivals are ordered by where they come from: no decomposition shows.
@@ -74,28 +91,32 @@ impl Relocation {
     /// If a rank is gone, or a particle was lost on the way.
     pub fn prepare(
         warehouse: &mut Warehouse,
-        network: &mut dyn Network,
-        beside: &[Beside],
+        way: &mut Way<'_>,
         moved: impl Fn(usize) -> bool,
-        labels: &[LabelId],
-        reflect: bool,
     ) -> Result<Self, NetworkError> {
-        let mut labels = Cow::from(labels);
-        if reflect && !labels.contains(&LabelId::BoundaryWork) {
+        let began = way.trace.now();
+        let mut labels = Cow::from(way.labels);
+        if way.reflect && !labels.contains(&LabelId::BoundaryWork) {
             // nobody else uses it in this run
             clear(LabelId::BoundaryWork.reduce(), warehouse.shared.column_mut(LabelId::BoundaryWork));
             labels.to_mut().push(LabelId::BoundaryWork);
         }
         let (mut relocation, mut travelers, gone) = Self::depart(warehouse, &moved);
         for mut traveler in gone {
-            let back = reflect && traveler.reflect(warehouse);
+            let back = way.reflect && traveler.reflect(warehouse);
             relocation.reflected += u64::from(back);
             if back { travelers.push(traveler) } else { relocation.left.push(traveler.who) }
         }
-        if network.size() == 1 {
+        if way.network.size() == 1 {
             relocation.arriving = travelers;
+            way.trace.record(0, began, Event::other(Kind::Relocate));
         } else {
-            relocation.travel(warehouse, network, beside, travelers, moved, &labels)?;
+            let mut counters = relocation.travel(warehouse, way, travelers)?;
+            way.trace.record(0, began, Event::other(Kind::Relocate));
+            let began = way.trace.now();
+            reduction::reduce(way.network, &labels, moved, &mut warehouse.shared, &mut counters)?;
+            way.trace.record(0, began, Event::reduction(None));
+            relocation.conclude(warehouse, way.network, counters)?;
         }
         relocation.arriving.sort_by_key(|t| (t.who.material, t.from));
         relocation.left.sort_by_key(|left| left.identity);
@@ -131,19 +152,16 @@ impl Relocation {
         (relocation, travelers, lost)
     }
 
-    /// Sends travelers to their ranks, and takes in those that come here.
+    /// Sends travelers to their ranks, and takes in those that come here; returns what there is to count.
     fn travel(
         &mut self,
-        warehouse: &mut Warehouse,
-        network: &mut dyn Network,
-        beside: &[Beside],
+        warehouse: &Warehouse,
+        way: &mut Way<'_>,
         travelers: Vec<Traveler>,
-        moved: impl Fn(usize) -> bool,
-        labels: &[LabelId],
-    ) -> Result<(), NetworkError> {
+    ) -> Result<Counters, NetworkError> {
+        let Way { network, beside, .. } = way;
         let mut counters = Counters::default();
         let mut bags: Vec<Vec<u64>> = vec![Vec::new(); beside.len()];
-        let mut far = Vec::new();
         for traveler in travelers {
             let home = warehouse.home(traveler.who.material, traveler.who.position);
             let rank = home.map_or(network.rank(), |(_, patch)| warehouse.partition.rank_of(patch));
@@ -153,19 +171,14 @@ impl Relocation {
             }
             counters[SENT] += 1;
             counters[SENT_WHO] = counters[SENT_WHO].wrapping_add(traveler.who.identity);
-            let bag = match beside.iter().position(|beside| beside.rank == rank) {
-                Some(neighbor) => &mut bags[neighbor],
-                None => {
-                    counters[FAR] += 1;
-                    &mut far
-                }
-            };
-            traveler.write(bag);
+            let neighbor = beside.iter().position(|beside| beside.rank == rank);
+            counters[FAR] += u64::from(neighbor.is_none());
+            traveler.write(neighbor.map_or(&mut self.far, |neighbor| &mut bags[neighbor]));
         }
         for (beside, bag) in beside.iter().zip(bags) {
             network.send(beside.rank, Channel::Travelers, pack(&bag));
         }
-        for beside in beside {
+        for beside in *beside {
             let message = network.receive(beside.rank, Channel::Travelers)?;
             self.welcome(warehouse, unpack(&message), &mut counters);
         }
@@ -173,11 +186,19 @@ impl Relocation {
         counters[NEWS] = u64::from(!self.arriving.iter().all(known));
         counters[LEFT] = self.left.len() as u64;
         counters[REFLECTED] = self.reflected;
-        reduction::reduce(network, labels, moved, &mut warehouse.shared, &mut counters)?;
+        Ok(counters)
+    }
+
+    /// What follows from the sums over all ranks: those that fly over a whole rank, and who left the level.
+    fn conclude(
+        &mut self,
+        warehouse: &Warehouse,
+        network: &mut dyn Network,
+        mut counters: Counters,
+    ) -> Result<(), NetworkError> {
         if counters[FAR] > 0 {
-            // rare: somebody flies over a whole rank in a step
             let mut found = Counters::default();
-            for list in collective::share(network, &far)? {
+            for list in collective::share(network, &self.far)? {
                 self.welcome(warehouse, &list, &mut found);
             }
             collective::sum(network, &mut found)?;

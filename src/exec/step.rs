@@ -9,9 +9,10 @@ use super::ranks::migrate;
 use super::ranks::occupied::{self, Beside};
 use super::ranks::reduction::{self, Counters};
 use super::ranks::{Network, NetworkError};
-use super::relocate::Relocation;
+use super::relocate::{Relocation, Way};
 use super::scratch::Scratch;
 use super::stage::{self, Context};
+use super::trace::{Event, Recorder};
 use super::wave;
 use super::work::{Blocks, Memory, Which, Work, lock};
 use crate::data::label::Reduce;
@@ -43,6 +44,8 @@ pub struct Engine<E> {
     metered: bool,
     /// Whether blocks remember what work on them takes.
     weighing: bool,
+    /// What is done when.
+    trace: Recorder,
 }
 
 impl<E: Executor> Engine<E> {
@@ -53,8 +56,21 @@ impl<E: Executor> Engine<E> {
         let schedule = Schedule::everyone(warehouse.materials.len());
         let (memory, buffers, slabs) = (Memory::default(), Buffers::default(), Vec::new());
         let beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
-        let (ghosts, metered, weighing) = (Ghosts::default(), false, false);
-        Self { executor, isa, scratch, schedule, memory, buffers, slabs, beside, ghosts, metered, weighing }
+        let (ghosts, metered, weighing, trace) = (Ghosts::default(), false, false, Recorder::off());
+        Self {
+            executor,
+            isa,
+            scratch,
+            schedule,
+            memory,
+            buffers,
+            slabs,
+            beside,
+            ghosts,
+            metered,
+            weighing,
+            trace,
+        }
     }
 
     /// Instruction set that tasks run on.
@@ -91,6 +107,16 @@ impl<E: Executor> Engine<E> {
         self.weighing = on;
     }
 
+    /// Records from now on what is done when, at most `bound` events a worker; 0: no more.
+    pub fn set_trace(&mut self, bound: usize) {
+        self.trace = if bound == 0 { Recorder::off() } else { Recorder::new(self.workers(), bound) };
+    }
+
+    /// What is done when.
+    pub fn trace(&self) -> &Recorder {
+        &self.trace
+    }
+
     /// Does work of its own, and meters it as `what`.
     pub fn metered<T>(&self, what: What, work: impl FnOnce() -> T) -> T {
         if !self.metered {
@@ -124,14 +150,14 @@ impl<E: Executor> Engine<E> {
         self.schedule.reset();
         for wave in &graph.waves {
             let phases = &graph.phases[wave.clone()];
-            self.reduce(&phases[0].reductions, &mut warehouse.shared, network)?;
+            self.reduce(Some(wave.start), &phases[0].reductions, &mut warehouse.shared, network)?;
             let names = || phases.iter().flat_map(|p| &p.stages).flat_map(|s| &s.nodes);
             let span = tracing::debug_span!("wave", tasks = tracing::field::Empty);
             if !span.is_disabled() {
                 let names: Vec<&str> = names().map(|&n| graph.graph[n].name.as_str()).collect();
                 span.record("tasks", names.join(" "));
             }
-            span.in_scope(|| self.wave(graph, phases, warehouse, network))?;
+            span.in_scope(|| self.wave(graph, wave, warehouse, network))?;
             if phases.iter().any(|phase| phase.decides) {
                 self.schedule.read(&warehouse.shared);
             }
@@ -167,20 +193,24 @@ impl<E: Executor> Engine<E> {
         Ok(lines * size_of::<Wide>())
     }
 
-    /// Brings the parts of all ranks of some labels together.
+    /// Brings the parts of all ranks of some labels together, before a phase or at the end.
     ///
     /// # Errors
     /// If a rank is gone.
     pub fn reduce(
         &self,
+        before: Option<usize>,
         labels: &[LabelId],
         shared: &mut Shared,
         network: &mut dyn Network,
     ) -> Result<(), NetworkError> {
-        if labels.is_empty() {
+        if labels.is_empty() || network.size() == 1 {
             return Ok(());
         }
-        reduction::reduce(network, labels, |m| self.schedule.ends(m), shared, &mut Counters::default())
+        let began = self.trace.now();
+        reduction::reduce(network, labels, |m| self.schedule.ends(m), shared, &mut Counters::default())?;
+        self.trace.record(0, began, Event::reduction(before));
+        Ok(())
     }
 
     /// Finds the particles that have to move after a tick of `graph`, and completes its reductions. If `reflect`, particles
@@ -196,7 +226,9 @@ impl<E: Executor> Engine<E> {
         reflect: bool,
     ) -> Result<Relocation, NetworkError> {
         let moved = |material: usize| self.schedule.ends(material);
-        let prepare = || Relocation::prepare(warehouse, network, &self.beside, moved, &graph.at_end, reflect);
+        let (labels, trace) = (&graph.at_end[..], &self.trace);
+        let mut way = Way { network, beside: &self.beside, labels, reflect, trace };
+        let prepare = || Relocation::prepare(warehouse, &mut way, moved);
         self.metered(What::Relocation, prepare)
     }
 
@@ -204,21 +236,21 @@ impl<E: Executor> Engine<E> {
     fn wave(
         &mut self,
         graph: &TaskGraph,
-        phases: &[Phase],
+        wave: &Range<usize>,
         warehouse: &mut Warehouse,
         network: &mut dyn Network,
     ) -> Result<(), NetworkError> {
-        let Self {
-            executor, isa, scratch, schedule, metered, memory, buffers, slabs, ghosts, weighing, ..
-        } = self;
+        let (isa, metered, weighing) = (self.isa, self.metered, self.weighing);
+        let Self { executor, scratch, schedule, memory, buffers, slabs, ghosts, trace, .. } = self;
         let Warehouse { level, decomposition, partition, materials, particles, nodes, shared, .. } =
             warehouse;
-        let context = Context { isa: *isa, recipe: &graph.recipe, level, materials, schedule, buffers };
+        let (first, phases) = (wave.start, &graph.phases[wave.clone()]);
+        let context = Context { isa, recipe: &graph.recipe, level, materials, schedule, buffers };
         phases.iter().for_each(|phase| begin(phase, schedule, shared));
         let once = phases[0].stages.first().filter(|s| s.domain == Domain::Once);
         if let Some(stage) = once {
             let tally = &mut lock(&scratch[0]).tally;
-            match *metered {
+            match metered {
                 true => once_for_all::<true>(&context, stage, shared, tally, network.rank()),
                 false => once_for_all::<false>(&context, stage, shared, tally, network.rank()),
             }
@@ -228,26 +260,37 @@ impl<E: Executor> Engine<E> {
         let blocks = level.blocks();
         let whole = blocks.lower[0]..blocks.upper[0];
         let slabs = if wave::busy(schedule, particles) { &slabs[..] } else { std::slice::from_ref(&whole) };
-        let mut work = Work { executor, context, scratch, memory, metered: *metered, weighing: *weighing };
-        let mut data = Blocks { decomposition, partition, particles, nodes };
+        let mut work = Work { executor, context, scratch, memory, metered, weighing, trace };
+        let mut data = Blocks { first_layer: whole.start, decomposition, partition, particles, nodes };
         if network.size() == 1 {
             executor.enter(|| {
                 let order = wave::order(phases, slabs);
                 order.for_each(|(phase, slab)| work.over(phase, Which::All(slab), &mut data));
             });
         } else {
-            let mut border = Border::new(network, ghosts, phases, whole.clone());
-            border.await_next(&work);
-            border.advance(&mut work, &mut data, false)?;
-            for (phase, slab) in wave::order(phases, slabs) {
-                work.over(phase, Which::Interior(slab), &mut data);
-                border.advance(&mut work, &mut data, false)?;
-            }
-            border.advance(&mut work, &mut data, true)?;
+            let border = Border::new(network, ghosts, (first, phases), whole.clone());
+            together(border, phases, slabs, &mut work, &mut data)?;
         }
         collect(phases, scratch, shared);
         Ok(())
     }
+}
+
+/// Runs a wave with other ranks: the rim as soon as it can be, the interior in between.
+fn together<E: Executor>(
+    mut border: Border<'_>,
+    phases: &[Phase],
+    slabs: &[Range<i32>],
+    work: &mut Work<'_, E>,
+    data: &mut Blocks<'_>,
+) -> Result<(), NetworkError> {
+    border.await_next(work);
+    border.advance(work, data, false)?;
+    for (phase, slab) in wave::order(phases, slabs) {
+        work.over(phase, Which::Interior(slab), data);
+        border.advance(work, data, false)?;
+    }
+    border.advance(work, data, true)
 }
 
 /// Runs a stage that has no place. All ranks do, with the same result; what it adds to sums counts on the first alone.

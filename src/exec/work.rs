@@ -2,6 +2,7 @@
 use super::Executor;
 use super::scratch::Scratch;
 use super::stage::{self, Context};
+use super::trace::{Event, Kind, Recorder};
 use crate::data::nodes::NodeBlock;
 use crate::data::particles::ParticleBlock;
 use crate::data::schedule::Schedule;
@@ -27,6 +28,8 @@ pub struct Work<'a, E> {
     pub metered: bool,
     /// Whether blocks remember what work on them takes.
     pub weighing: bool,
+    /// What is done when.
+    pub trace: &'a Recorder,
 }
 
 /// Which blocks of a phase.
@@ -66,11 +69,12 @@ impl<E: Executor> Work<'_, E> {
     }
 
     fn over_nodes(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
-        let Self { executor, context, scratch, memory, metered, weighing } = self;
+        let Self { executor, context, scratch, memory, metered, weighing, trace } = self;
         let Some(stage) = phase.stages.first() else { return };
         let (awake, next) = (context.schedule.awake(), context.schedule.next());
         let mut items = recycle(std::mem::take(&mut memory.nodes));
-        let layers = which.layers();
+        let (layers, began) = (which.layers(), trace.now());
+        let slab = (layers.start - data.first_layer) as usize;
         for (nodes, patch) in data
             .nodes
             .iter_mut()
@@ -83,20 +87,25 @@ impl<E: Executor> Work<'_, E> {
         }
         let update = if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
         executor.each(&mut items, |worker, block| {
-            let began = weighing.then(Instant::now);
+            let (traced, began) = (trace.now(), weighing.then(Instant::now));
             let ran = update(context, stage, data.particles, &mut lock(&scratch[worker]), block);
             block.cost += began.map_or(0, |began| began.elapsed().as_nanos() as u64);
+            if trace.is_on() {
+                trace.record_on(worker, traced, Event::stage(stage).on_slab(slab));
+            }
             if ran && phase.settles {
                 block.until.fill(next);
             }
         });
+        trace.record_idle(began, Event::idle(stage));
         memory.nodes = recycle(items);
     }
 
     fn over_particles(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
-        let Self { executor, context, scratch, memory, metered, weighing } = self;
+        let Self { executor, context, scratch, memory, metered, weighing, trace } = self;
         let mut items = recycle(std::mem::take(&mut memory.particles));
-        let layers = which.layers();
+        let (layers, began) = (which.layers(), trace.now());
+        let slab = (layers.start - data.first_layer) as usize;
         for (homes, patch) in data
             .particles
             .iter_mut()
@@ -112,10 +121,14 @@ impl<E: Executor> Work<'_, E> {
         }
         let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
         executor.each(&mut items, |worker, (stage, block)| {
-            let began = weighing.then(Instant::now);
+            let (traced, began) = (trace.now(), weighing.then(Instant::now));
             sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
             block.cost += began.map_or(0, |began| began.elapsed().as_nanos() as u64);
+            if trace.is_on() {
+                trace.record_on(worker, traced, Event::stage(stage).on_slab(slab));
+            }
         });
+        trace.record_idle(began, phase.stages.first().map_or(Event::other(Kind::Idle), Event::idle));
         memory.particles = recycle(items);
     }
 }
@@ -124,6 +137,8 @@ impl<E: Executor> Work<'_, E> {
 pub struct Blocks<'a> {
     /// The patches.
     pub decomposition: &'a Decomposition,
+    /// The level's first layer of blocks along x.
+    pub first_layer: i32,
     /// Their ranks.
     pub partition: &'a Partition,
     /// Particles: `[patch][material]`.

@@ -2,6 +2,7 @@
 mod balance;
 pub mod fault;
 mod hash;
+pub mod layout;
 pub mod ledger;
 mod meter;
 mod parcel;
@@ -25,7 +26,7 @@ use crate::exec::relocate::Relocation;
 use crate::exec::{Engine, Executor, Serial, Threads};
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
-use crate::grid::{Decomposition, Level, Partition};
+use crate::grid::Partition;
 use crate::input::scene::{Behavior, Leaving, Rates, Scene};
 use crate::simd::Isa;
 use crate::tasks::timestep;
@@ -120,21 +121,17 @@ impl Simulation {
     /// # Errors
     /// Patches that do not fit, or threads that do not start.
     pub fn on(network: Box<dyn Network>, scene: Scene, isa: Isa) -> Result<Self, RunError> {
-        let level = Level { lower: scene.domain.lower, cell: scene.domain.cell, cells: scene.domain.cells };
         let threads = scene.run.threads.unwrap_or_else(available_threads);
-        let census = populate::census(&scene, &level);
-        let automatic = || Decomposition::automatic(&level, 8 * threads * network.size(), &census);
-        let counts = scene.run.patches.unwrap_or_else(automatic);
-        let decomposition = Decomposition::new(&level, counts).map_err(RunError::Patches)?;
+        let (decomposition, loads) =
+            layout::decompose(&scene, 8 * threads * network.size()).map_err(RunError::Patches)?;
         let patches = decomposition.patches.len();
-        let loads = decomposition.loads(&census);
         let partition = Partition::by_cost(&decomposition, &loads, network.rank(), network.size())
             .map_err(RunError::Patches)?;
         let graph = step_graph(&scene, patches)?;
         let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
         let start = TaskGraph::build(timestep::start(&scene), WANTED, patches)?;
 
-        let mut warehouse = populate::populate(&scene, level, decomposition, partition, &graph)?;
+        let mut warehouse = populate::populate(&scene, decomposition, partition, &graph)?;
         warehouse.own_rates = scene.run.rates != Rates::Common;
         let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
         let ledger = Ledger::default();
@@ -267,7 +264,7 @@ impl Simulation {
     pub fn report(&mut self) -> Result<Report, NetworkError> {
         let Self { engine, report_graph: graph, warehouse, network, .. } = self;
         engine.run(graph, warehouse, &mut **network)?;
-        engine.reduce(&graph.at_end, &mut warehouse.shared, &mut **network)?;
+        engine.reduce(None, &graph.at_end, &mut warehouse.shared, &mut **network)?;
         let mut report = self.ledger.report(&self.scene, &self.warehouse, self.steps);
         together::count_particles(&mut *self.network, &mut report)?;
         Ok(report)

@@ -1,31 +1,18 @@
 //! From bodies to particles.
 use super::fault::RunError;
+use super::layout;
 use crate::data::labels::LabelId;
 use crate::data::particles::Layout;
 use crate::data::shared::{Clock, RigidState};
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::graph::build::TaskGraph;
-use crate::grid::{BlockIndex, Decomposition, Level, Partition};
+use crate::grid::{Decomposition, Partition};
 use crate::input::lattice;
 use crate::input::scene::{Behavior, Body, RigidMotion, Scene};
 use crate::physics::law::{Law, Variable};
 use crate::physics::materials::WithLaw;
 use crate::tasks::timestep;
 use nalgebra::{Matrix3, Vector3};
-use std::collections::BTreeMap;
-
-/// The blocks that the particles of `scene` occupy, with their number.
-pub fn census(scene: &Scene, level: &Level) -> Vec<(BlockIndex, u64)> {
-    let mut blocks = BTreeMap::new();
-    for body in &scene.bodies {
-        let half_size = timestep::half_size(scene, body.material);
-        for x in lattice::sample(scene, body) {
-            let block = Level::block_of(level.base_node(x, half_size));
-            *blocks.entry(block).or_default() += 1;
-        }
-    }
-    blocks.into_iter().collect()
-}
 
 /// A warehouse with the particles of `scene` in the patches of this rank, with the labels that `graph` uses.
 ///
@@ -33,13 +20,12 @@ pub fn census(scene: &Scene, level: &Level) -> Vec<(BlockIndex, u64)> {
 /// Bodies that do not fit the level, or differ in resolution within a material.
 pub fn populate(
     scene: &Scene,
-    level: Level,
     decomposition: Decomposition,
     partition: Partition,
     graph: &TaskGraph,
 ) -> Result<Warehouse, RunError> {
     let materials = (0..scene.materials.len()).map(|m| material_data(scene, graph, m)).collect();
-    let mut warehouse = Warehouse::new(level, decomposition, partition, materials);
+    let mut warehouse = Warehouse::new(layout::level(scene), decomposition, partition, materials);
     let mut identity = 0;
     for body in &scene.bodies {
         let first = scene.bodies.iter().find(|b| b.material == body.material);

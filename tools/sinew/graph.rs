@@ -5,7 +5,6 @@ use sinew::graph::build::TaskGraph;
 use sinew::graph::diagram::Diagram;
 use sinew::graph::export::Cycle;
 use sinew::graph::measured::Measured;
-use sinew::grid::Decomposition;
 use sinew::input::scene::Scene;
 use sinew::output::trace;
 use sinew::plan::{self, Plan};
@@ -64,10 +63,8 @@ pub struct Args {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = args.scene.read()?;
-    let level = plan::level(&scene);
-    let counts = scene.run.patches.unwrap_or_else(|| Decomposition::automatic(&level, args.ranks));
-    let decomposition = Decomposition::new(&level, counts).map_err(Failure::usage)?;
-    let patches = decomposition.patches.len();
+    let plan = plan::plan(&scene, args.ranks).map_err(Failure::usage)?;
+    let patches = plan.decomposition.patches.len();
     let graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
     if let Some(what) = &args.why {
         return why(&scene, &graph, what);
@@ -75,7 +72,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     outside("patch", args.patch, patches)?;
     outside("rank", args.rank, args.ranks)?;
     let measured = args.trace.as_deref().map(trace::read).transpose()?;
-    let plan = plan::plan(&scene, counts, args.ranks).map_err(Failure::usage)?;
     show(args, &scene, &graph, &plan, measured.as_ref())
 }
 

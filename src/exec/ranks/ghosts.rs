@@ -73,17 +73,25 @@ impl Ghosts {
         }
     }
 
-    /// Sends what the materials that begin a step have given to nodes of others.
-    pub fn give(&self, network: &mut dyn Network, schedule: &Schedule, particles: &[Vec<ParticlePatch>]) {
+    /// Sends what the materials that begin a step have given to nodes of others; returns messages and lines.
+    pub fn give(
+        &self,
+        network: &mut dyn Network,
+        schedule: &Schedule,
+        particles: &[Vec<ParticlePatch>],
+    ) -> [usize; 2] {
+        let mut sent = [0; 2];
         for border in &self.borders {
             let begins = |giver: &&Giver| schedule.begins(giver.material);
             if border.give.iter().any(|giver| begins(&giver)) {
                 let most = border.give.iter().filter(begins).map(Giver::most).sum();
                 let mut message = network.memory(most);
                 border.give.iter().filter(begins).for_each(|giver| giver.pack(particles, &mut message));
+                sent = [sent[0] + 1, sent[1] + message.len()];
                 network.send(border.rank, Channel::Sums, message);
             }
         }
+        sent
     }
 
     /// The ranks that send sums in this tick, and how many lines at most.
@@ -119,14 +127,16 @@ impl Ghosts {
         reader.finish(rank, Channel::Sums)
     }
 
-    /// Sends the motion of nodes that particles of others read, of the materials whose step ends.
+    /// Sends the motion of nodes that particles of others read, of the materials whose step ends; returns messages
+    /// and lines.
     pub fn show(
         &self,
         network: &mut dyn Network,
         schedule: &Schedule,
         particles: &[Vec<ParticlePatch>],
         nodes: &[NodePatch],
-    ) {
+    ) -> [usize; 2] {
+        let mut sent = [0; 2];
         for border in &self.borders {
             let ends = |shown: &&Shown| schedule.ends(shown.material);
             let count = border.shown.iter().filter(ends).count();
@@ -138,9 +148,11 @@ impl Ghosts {
                     let read = shown.read(&border.take, particles);
                     rows(&read).for_each(|row| message.extend_from_slice(&motion[row]));
                 }
+                sent = [sent[0] + 1, sent[1] + message.len()];
                 network.send(border.rank, Channel::Motion, message);
             }
         }
+        sent
     }
 
     /// Puts the motion of nodes of another rank in its place.
