@@ -74,7 +74,7 @@ fn one_substep_is_the_common_step_bit_by_bit() {
     let short = [("run.steps", "150")];
     let same = |of: &dyn Fn(Overrides<'_>) -> Scene| {
         let hash = |more: Overrides<'_>| {
-            let (simulation, report) = end(of(&[&short, more].concat()));
+            let (mut simulation, report) = end(of(&[&short, more].concat()));
             (simulation.state_hash(), format!("{report:?}"))
         };
         let common = hash(&[("run.rates", "common")]);

@@ -1,6 +1,5 @@
 //! What of a resolved scene determines its physics: all but names for people, where a run ends, how it is computed and
 //! what is written.
-use std::hash::Hasher;
 use twox_hash::XxHash3_128;
 
 /// Keys that a restart may change. `output` stands for all that is in it.

@@ -18,6 +18,9 @@ pub enum RunError {
     /// Patches that do not fit the level.
     #[error("{0}")]
     Patches(String),
+    /// A checkpoint that cannot be read, or does not fit.
+    #[error("{0}")]
+    Checkpoint(#[from] crate::output::Error),
     /// The pool of threads did not start.
     #[error("threads did not start: {0}; try fewer with --threads")]
     Pool(#[from] rayon::ThreadPoolBuildError),

@@ -1,4 +1,5 @@
 //! A run: a scene becomes particles and graphs, steps are taken, faults become errors.
+mod checkpoint;
 pub mod fault;
 mod hash;
 pub mod ledger;

@@ -37,8 +37,7 @@ pub fn populate(
     partition: Partition,
     graph: &TaskGraph,
 ) -> Result<Warehouse, RunError> {
-    let materials = (0..scene.materials.len()).map(|m| material_data(scene, graph, m)).collect();
-    let mut warehouse = Warehouse::new(level, decomposition, partition, materials);
+    let mut warehouse = empty(scene, level, decomposition, partition, graph);
     let mut identity = 0;
     for body in &scene.bodies {
         let first = scene.bodies.iter().find(|b| b.material == body.material);
@@ -52,6 +51,18 @@ pub fn populate(
     warehouse.shared.set(LabelId::Time, 0, clock);
     (0..scene.materials.len()).for_each(|m| start_rigid(scene, &mut warehouse, m));
     Ok(warehouse)
+}
+
+/// The same without particles.
+pub fn empty(
+    scene: &Scene,
+    level: Level,
+    decomposition: Decomposition,
+    partition: Partition,
+    graph: &TaskGraph,
+) -> Warehouse {
+    let materials = (0..scene.materials.len()).map(|m| material_data(scene, graph, m)).collect();
+    Warehouse::new(level, decomposition, partition, materials)
 }
 
 /// The history that a material's law keeps.
