@@ -203,6 +203,20 @@ impl Warehouse {
         Ok(())
     }
 
+    /// Puts a block with its particles into its patch, on this rank: for a restart.
+    ///
+    /// # Errors
+    /// A block outside the level.
+    pub fn adopt(&mut self, material: usize, block: ParticleBlock) -> Result<(), OutsideLevel> {
+        let patch = self.decomposition.owner(block.index).ok_or(OutsideLevel)?;
+        let at = self.decomposition.patches[patch].blocks.offset(block.index).ok_or(OutsideLevel)?;
+        let home = &mut self.particles[patch][material];
+        home.blocks.push(block);
+        home.lookup[at] = home.blocks.len() as u32;
+        self.stale = true;
+        Ok(())
+    }
+
     /// Number of particle blocks in each layer along x, from the level's first layer on, as of the last activation.
     pub fn blocks_by_layer(&self) -> Vec<usize> {
         let all = self.level.blocks();

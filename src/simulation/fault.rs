@@ -22,6 +22,9 @@ pub enum RunError {
     /// Ranks that cannot go on together.
     #[error("{0}")]
     Network(#[from] NetworkError),
+    /// A checkpoint that cannot be read, or does not fit.
+    #[error("{0}")]
+    Checkpoint(#[from] crate::output::Error),
     /// The pool of threads did not start.
     #[error("threads did not start: {0}; try fewer with --threads")]
     Pool(#[from] rayon::ThreadPoolBuildError),

@@ -16,11 +16,22 @@ pub fn level(scene: &Scene) -> Level {
 /// # Errors
 /// Patches that do not fit the level.
 pub fn decompose(scene: &Scene, wanted: usize) -> Result<(Decomposition, Vec<u64>), String> {
+    cut(scene, wanted, &census(scene, &level(scene)))
+}
+
+/// The same, where the particles are in blocks that are known.
+///
+/// # Errors
+/// Patches that do not fit the level.
+pub fn cut(
+    scene: &Scene,
+    wanted: usize,
+    census: &[(BlockIndex, u64)],
+) -> Result<(Decomposition, Vec<u64>), String> {
     let level = level(scene);
-    let census = census(scene, &level);
-    let counts = scene.run.patches.unwrap_or_else(|| Decomposition::automatic(&level, wanted, &census));
+    let counts = scene.run.patches.unwrap_or_else(|| Decomposition::automatic(&level, wanted, census));
     let decomposition = Decomposition::new(&level, counts)?;
-    let loads = decomposition.loads(&census);
+    let loads = decomposition.loads(census);
     Ok((decomposition, loads))
 }
 

@@ -1,5 +1,6 @@
 //! A run: a scene becomes particles and graphs, steps are taken, faults become errors.
 mod balance;
+mod checkpoint;
 pub mod fault;
 mod hash;
 pub mod layout;

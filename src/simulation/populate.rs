@@ -24,8 +24,7 @@ pub fn populate(
     partition: Partition,
     graph: &TaskGraph,
 ) -> Result<Warehouse, RunError> {
-    let materials = (0..scene.materials.len()).map(|m| material_data(scene, graph, m)).collect();
-    let mut warehouse = Warehouse::new(layout::level(scene), decomposition, partition, materials);
+    let mut warehouse = empty(scene, decomposition, partition, graph);
     let mut identity = 0;
     for body in &scene.bodies {
         let first = scene.bodies.iter().find(|b| b.material == body.material);
@@ -39,6 +38,17 @@ pub fn populate(
     warehouse.shared.set(LabelId::Time, 0, clock);
     (0..scene.materials.len()).for_each(|m| start_rigid(scene, &mut warehouse, m));
     Ok(warehouse)
+}
+
+/// The same without particles.
+pub fn empty(
+    scene: &Scene,
+    decomposition: Decomposition,
+    partition: Partition,
+    graph: &TaskGraph,
+) -> Warehouse {
+    let materials = (0..scene.materials.len()).map(|m| material_data(scene, graph, m)).collect();
+    Warehouse::new(layout::level(scene), decomposition, partition, materials)
 }
 
 /// The history that a material's law keeps.

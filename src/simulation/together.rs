@@ -1,6 +1,6 @@
 //! What ranks agree about, and sums over them.
 use super::ledger::Report;
-use crate::exec::ranks::{Network, NetworkError, collective};
+use crate::exec::ranks::{Network, NetworkError, collective, pack, unpack};
 use crate::output::{self, Error};
 
 /// The outcome of something that only some ranks did: all of them go on, or none does. A rank that did not fail itself
@@ -37,6 +37,19 @@ pub fn all(network: &mut dyn Network, mine: &[u64]) -> output::Result<Vec<Vec<u6
         1 => Ok(vec![mine.to_vec()]),
         _ => Ok(collective::share(network, mine)?),
     }
+}
+
+/// The numbers of rank 0.
+///
+/// # Errors
+/// If a rank is gone.
+pub fn from_first(network: &mut dyn Network, mine: Vec<u64>) -> output::Result<Vec<u64>> {
+    if network.size() == 1 {
+        return Ok(mine);
+    }
+    let mut message = pack(&mine);
+    collective::broadcast(network, &mut message)?;
+    Ok(unpack(&message).to_vec())
 }
 
 /// Counts the particles of all ranks in a report, of which the rest is the same on all of them.

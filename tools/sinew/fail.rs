@@ -11,6 +11,8 @@ pub enum Failure {
     Usage(Report),
     /// A run that failed: exit status 1.
     Run(String),
+    /// A run that a signal ended in good order: what to say, and the exit status.
+    Interrupted(String, u8),
 }
 
 impl Failure {
@@ -29,6 +31,10 @@ impl Failure {
             Failure::Run(message) => {
                 eprintln!("error: {message}");
                 ExitCode::from(1)
+            }
+            Failure::Interrupted(message, status) => {
+                eprintln!("{message}");
+                ExitCode::from(status)
             }
         }
     }
@@ -52,6 +58,7 @@ impl From<RunError> for Failure {
             RunError::Patches(_)
             | RunError::Resolution { .. }
             | RunError::Outside { .. }
+            | RunError::Checkpoint(_)
             | RunError::Pool(_) => Failure::usage(error),
             error => Failure::Run(error.to_string()),
         }

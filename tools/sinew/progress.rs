@@ -16,6 +16,8 @@ pub struct Progress {
     next_line: f64,
     /// Simulated time at which it is done [s].
     until: f64,
+    /// The part that was done, and the particles moved, before it began.
+    before: (f64, u64),
 }
 
 impl Progress {
@@ -40,7 +42,9 @@ impl Progress {
             );
         }
         let now = Instant::now();
-        Self { bar, quiet, began: now, shown: now, next_line: 0.05, until: simulation.scene.run.until }
+        let until = simulation.scene.run.until;
+        let before = (fraction(simulation, until), simulation.updates());
+        Self { bar, quiet, began: now, shown: now, next_line: before.0 + 0.05, until, before }
     }
 
     /// Counts to a time before the end of the run [s].
@@ -53,7 +57,7 @@ impl Progress {
         if self.quiet {
             return;
         }
-        let done = self.fraction(simulation);
+        let done = fraction(simulation, self.until);
         let due = match self.bar {
             Some(_) => self.shown.elapsed() > Duration::from_millis(200),
             None => done >= self.next_line || self.shown.elapsed() > Duration::from_secs(20),
@@ -64,14 +68,14 @@ impl Progress {
         self.shown = Instant::now();
         self.next_line = done + 0.05;
         let spent = self.began.elapsed().as_secs_f64();
-        let left = spent * (1.0 - done) / done.max(1e-9);
+        let left = spent * (1.0 - done) / (done - self.before.0).max(1e-9);
         let clock = simulation.clock();
         let message = format!(
             "step {}  t {:.4} ms  dt {:.1} ns  {:.2} M updates/s  {} left",
             simulation.steps(),
             1e3 * clock.time,
             1e9 * clock.step,
-            simulation.updates() as f64 / spent / 1e6,
+            (simulation.updates() - self.before.1) as f64 / spent / 1e6,
             duration(left)
         );
         match &self.bar {
@@ -83,19 +87,20 @@ impl Progress {
         }
     }
 
-    fn fraction(&self, simulation: &Simulation) -> f64 {
-        let by_time = simulation.clock().time / self.until;
-        let by_steps =
-            simulation.scene.run.steps.map_or(0.0, |most| simulation.steps() as f64 / most.max(1) as f64);
-        by_time.max(by_steps).min(1.0)
-    }
-
     /// Takes the bar away.
     pub fn end(self) {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();
         }
     }
+}
+
+/// The part of a run until a time [s] that is done.
+fn fraction(simulation: &Simulation, until: f64) -> f64 {
+    let by_time = simulation.clock().time / until;
+    let by_steps =
+        simulation.scene.run.steps.map_or(0.0, |most| simulation.steps() as f64 / most.max(1) as f64);
+    by_time.max(by_steps).min(1.0)
 }
 
 /// Seconds in words: `42 s`, `3 min 5 s`, `2 h 4 min`.

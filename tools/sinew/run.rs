@@ -1,12 +1,13 @@
 //! `sinew run`: a scene, from the first step to the last.
 use super::fail::Failure;
 use super::progress::Progress;
-use super::{picture, wound};
+use super::signals::Signals;
+use super::{picture, restart, wound};
 use sinew::input::scene::Scene;
 use sinew::output::summary::Summary;
 use sinew::simd::Isa;
 use sinew::simulation::Simulation;
-use sinew::simulation::recorder::{Recorder, holds_run};
+use sinew::simulation::recorder::{End, Next, Recorder, holds_run};
 use std::path::{Path, PathBuf};
 
 /// Which scene, with what changed.
@@ -14,6 +15,13 @@ use std::path::{Path, PathBuf};
 pub struct SceneArgs {
     /// Folder with a scene.toml, or a .toml file
     pub scene: PathBuf,
+    #[command(flatten)]
+    pub changes: Changes,
+}
+
+/// What is changed in a scene.
+#[derive(clap::Args)]
+pub struct Changes {
     /// Threads (default: all cores)
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
@@ -34,6 +42,13 @@ pub struct SceneArgs {
 impl SceneArgs {
     /// The scene with all overrides.
     pub fn read(&self) -> Result<Scene, Failure> {
+        Ok(sinew::input::read(&self.scene, &self.changes.overrides()?)?)
+    }
+}
+
+impl Changes {
+    /// As pairs of key and value.
+    pub fn overrides(&self) -> Result<Vec<(String, String)>, Failure> {
         let mut overrides = overrides(&self.set)?;
         let mut set = |key: &str, value: Option<String>| {
             overrides.extend(value.map(|value| (key.to_owned(), value)));
@@ -42,7 +57,7 @@ impl SceneArgs {
         set("run.steps", self.steps.map(|n| n.to_string()));
         set("run.until", self.until.clone());
         set("run.patches", self.patches.as_ref().map(|text| format!("[{}]", text.replace(['x', 'X'], ", "))));
-        Ok(sinew::input::read(&self.scene, &overrides)?)
+        Ok(overrides)
     }
 }
 
@@ -57,40 +72,59 @@ pub fn overrides(set: &[String]) -> Result<Vec<(String, String)>, Failure> {
     set.iter().map(pair).collect()
 }
 
-/// Run a scene and leave a folder with summary, history, particle file and pictures
+/// Run a scene and leave a folder with summary, history, particle file, checkpoints and pictures
+///
+/// SIGINT (Ctrl-C) and SIGTERM end a run after the step it is in, with a checkpoint; a second one ends it at once. The
+/// exit status is then 130 or 143.
 #[derive(clap::Args)]
 pub struct Args {
+    /// Folder with a scene.toml, or a .toml file
+    #[arg(required_unless_present = "restart")]
+    pub scene: Option<PathBuf>,
     #[command(flatten)]
-    scene: SceneArgs,
+    pub changes: Changes,
     /// Folder for the results (default: runs/NAME, or the first free of runs/NAME-2, runs/NAME-3, …)
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with = "restart")]
     out: Option<PathBuf>,
-    /// Overwrite a run that the folder holds
+    /// Go on with the run in DIR from its last whole checkpoint, bit for bit, on any patches and threads; --until, --steps and
+    /// --set of output keys may change, the physics may not
+    #[arg(long, value_name = "DIR")]
+    restart: Option<PathBuf>,
+    /// Overwrite a run that the folder holds; with --restart: go on although another version of Sinew or another instruction
+    /// set wrote the checkpoint, with other bits
     #[arg(long)]
-    force: bool,
+    pub force: bool,
     /// No progress on the screen
     #[arg(long, short)]
-    quiet: bool,
+    pub quiet: bool,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let scene = args.scene.read()?;
     let isa = Isa::from_environment().map_err(Failure::usage)?;
-    let folder = args.out.clone().unwrap_or_else(|| default_folder(&scene.name, args.force));
-    claim(&folder, args.force)?;
-    let title = format!("{} ({})", scene.title, scene.name);
-    let mut simulation = Simulation::new(scene, isa)?;
-    // until the first step, what cannot be written is bad usage
-    let mut recorder =
-        Recorder::create(&folder, &mut simulation).map_err(|error| Failure::usage(error.to_string()))?;
+    let (folder, mut simulation, mut recorder) = match &args.restart {
+        Some(folder) => restart::resume(args, folder, isa)?,
+        None => begin(args, isa)?,
+    };
+    let signals = Signals::watch().map_err(|error| Failure::Run(format!("cannot watch signals: {error}")))?;
+    let title = format!("{} ({})", simulation.scene.title, simulation.scene.name);
     let mut progress = Progress::begin(&title, &simulation, args.quiet);
-    let outcome = march(&mut simulation, &mut recorder, &mut progress);
+    let end = march(&mut simulation, &mut recorder, &mut progress, &signals).unwrap_or_else(End::Failed);
     progress.end();
-    let error = outcome.as_ref().err().map(ToString::to_string);
-    let summary = recorder.finish(&mut simulation, error)?;
+    let summary = recorder.finish(&mut simulation, end.clone())?;
     print_summary(&summary, &folder);
-    outcome.map_err(Failure::Run)?;
+    match end {
+        End::Failed(error) => return Err(Failure::Run(error)),
+        End::Interrupted => {
+            let message = format!(
+                "interrupted after step {}; go on with: sinew run --restart {}",
+                summary.steps,
+                folder.display()
+            );
+            return Err(Failure::Interrupted(message, signals.exit_status()));
+        }
+        End::Completed => {}
+    }
     if simulation.scene.output.frames > 0 {
         if simulation.scene.output.wound.is_some() {
             wound::print(&folder)?;
@@ -102,17 +136,33 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
+/// A run from the first step on.
+fn begin(args: &Args, isa: Isa) -> Result<(PathBuf, Simulation, Recorder), Failure> {
+    let path = args.scene.as_deref().unwrap_or(Path::new("."));
+    let scene = sinew::input::read(path, &args.changes.overrides()?)?;
+    let folder = args.out.clone().unwrap_or_else(|| default_folder(&scene.name, args.force));
+    claim(&folder, args.force)?;
+    let mut simulation = Simulation::new(scene, isa)?;
+    // until the first step, what cannot be written is bad usage
+    let recorder = Recorder::create(&folder, &mut simulation).map_err(Failure::usage)?;
+    Ok((folder, simulation, recorder))
+}
+
 /// Steps until the end; an error in words.
 fn march(
     simulation: &mut Simulation,
     recorder: &mut Recorder,
     progress: &mut Progress,
-) -> Result<(), String> {
+    signals: &Signals,
+) -> Result<End, String> {
     while simulation.step().map_err(|error| error.to_string())? {
-        recorder.step(simulation).map_err(|error| error.to_string())?;
+        let next = recorder.step(simulation, signals.came()).map_err(|error| error.to_string())?;
         progress.step(simulation);
+        if next == Next::Stop {
+            return Ok(End::Interrupted);
+        }
     }
-    Ok(())
+    Ok(End::Completed)
 }
 
 /// `runs/NAME`, or the first `runs/NAME-2`, `runs/NAME-3`, … that holds no run; with `force` always the first.

@@ -51,6 +51,8 @@ pub struct Recorded {
     pub frames: u64,
     /// Number of the frame that is due next.
     pub due: u64,
+    /// Whether the last row, and the last frame, are there only because the run ended: a run that goes further drops them.
+    pub last: [bool; 2],
     /// Seconds on the clock so far.
     pub wall_s: f64,
     /// Seconds of these that output took.
@@ -105,6 +107,8 @@ mod name {
     pub const UPDATES: &str = "updates";
     pub const FRAMES: &str = "frames";
     pub const DUE: &str = "next_frame";
+    pub const LAST_ROW: &str = "last_row_at_end";
+    pub const LAST_FRAME: &str = "last_frame_at_end";
     pub const WALL: &str = "wall_s";
     pub const OUTPUT: &str = "output_s";
     pub const SHARED: &str = "shared";

@@ -113,6 +113,7 @@ fn head(file: &File) -> hdf5::Result<Head> {
         recorded: Recorded {
             frames: number(file, name::FRAMES)?,
             due: number(file, name::DUE)?,
+            last: [number(file, name::LAST_ROW)?, number(file, name::LAST_FRAME)?],
             wall_s: number(file, name::WALL)?,
             output_s: number(file, name::OUTPUT)?,
         },

@@ -117,6 +117,8 @@ fn lay_out(file: &File, head: &Head) -> hdf5::Result<Vec<Material>> {
     number(file, name::UPDATES, &head.updates)?;
     number(file, name::FRAMES, &head.recorded.frames)?;
     number(file, name::DUE, &head.recorded.due)?;
+    number(file, name::LAST_ROW, &head.recorded.last[0])?;
+    number(file, name::LAST_FRAME, &head.recorded.last[1])?;
     number(file, name::WALL, &head.recorded.wall_s)?;
     number(file, name::OUTPUT, &head.recorded.output_s)?;
     file.new_dataset::<VarLenUnicode>().create(name::SCENE)?.write_scalar(&word(&head.scene)?)?;

@@ -165,6 +165,15 @@ impl Writer {
         self.frames
     }
 
+    /// Waits until the disk has all frames.
+    ///
+    /// # Errors
+    /// If it does not take them.
+    pub fn sync(&self) -> Result<()> {
+        let file = std::fs::File::open(&self.path);
+        file.and_then(|file| file.sync_data()).map_err(error::io("write", &self.path))
+    }
+
     /// Flushes and closes.
     ///
     /// # Errors
