@@ -11,6 +11,7 @@ use crate::data::reduction::clear;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::grid::{BLOCK, BlockIndex, Level};
 use crate::physics::shape::{BASES, BELOW};
+use crate::simd::Wide;
 use std::borrow::Cow;
 
 /// A particle on its way.
@@ -111,8 +112,8 @@ impl Relocation {
             relocation.arriving = travelers;
             way.trace.record(0, began, Event::other(Kind::Relocate));
         } else {
-            let mut counters = relocation.travel(warehouse, way, travelers)?;
             way.trace.record(0, began, Event::other(Kind::Relocate));
+            let mut counters = relocation.travel(warehouse, way, travelers)?;
             let began = way.trace.now();
             reduction::reduce(way.network, &labels, moved, &mut warehouse.shared, &mut counters)?;
             way.trace.record(0, began, Event::reduction(None));
@@ -159,7 +160,8 @@ impl Relocation {
         way: &mut Way<'_>,
         travelers: Vec<Traveler>,
     ) -> Result<Counters, NetworkError> {
-        let Way { network, beside, .. } = way;
+        let Way { network, beside, trace, .. } = way;
+        let began = trace.now();
         let mut counters = Counters::default();
         let mut bags: Vec<Vec<u64>> = vec![Vec::new(); beside.len()];
         for traveler in travelers {
@@ -175,13 +177,19 @@ impl Relocation {
             counters[FAR] += u64::from(neighbor.is_none());
             traveler.write(neighbor.map_or(&mut self.far, |neighbor| &mut bags[neighbor]));
         }
+        let mut lines = 0;
         for (beside, bag) in beside.iter().zip(bags) {
-            network.send(beside.rank, Channel::Travelers, pack(&bag));
+            let message = pack(&bag);
+            lines += message.len();
+            network.send(beside.rank, Channel::Travelers, message);
         }
-        for beside in *beside {
-            let message = network.receive(beside.rank, Channel::Travelers)?;
-            self.welcome(warehouse, unpack(&message), &mut counters);
-        }
+        let sent = Event::other(Kind::Relocate).sent(beside.len(), lines * size_of::<Wide>());
+        trace.record(0, began, sent);
+        let began = trace.now();
+        let messages = beside.iter().map(|beside| network.receive(beside.rank, Channel::Travelers));
+        let messages = messages.collect::<Result<Vec<_>, _>>()?;
+        trace.record(0, began, Event::reduction(None));
+        messages.iter().for_each(|message| self.welcome(warehouse, unpack(message), &mut counters));
         let known = |t: &Traveler| warehouse.is_occupied(t.who.material, t.who.position);
         counters[NEWS] = u64::from(!self.arriving.iter().all(known));
         counters[LEFT] = self.left.len() as u64;
