@@ -467,7 +467,7 @@ fn a_signal_ends_a_run_with_a_checkpoint() {
     };
     let binary = assert_cmd::cargo::cargo_bin!("sinew");
     let mut child =
-        ok(Command::new(&binary).args(arguments(text(&parts))).stderr(std::process::Stdio::piped()).spawn());
+        ok(Command::new(binary).args(arguments(text(&parts))).stderr(std::process::Stdio::piped()).spawn());
     let history = parts.join("history.csv");
     while std::fs::read_to_string(&history).map_or(0, |text| text.lines().count()) < 4 {
         assert_eq!(ok(child.try_wait()), None, "the run must last longer");
@@ -510,7 +510,7 @@ fn a_run_that_is_killed_at_any_moment_goes_on() {
                 false => [&begin[..], &every, &["--force"]].concat(),
             };
             let mut child =
-                ok(Command::new(&binary).args(&arguments).stdout(std::process::Stdio::null()).spawn());
+                ok(Command::new(binary).args(&arguments).stdout(std::process::Stdio::null()).spawn());
             std::thread::sleep(std::time::Duration::from_micros(2_000 + (random.unit() * 400_000.0) as u64));
             done = match ok(child.try_wait()) {
                 Some(status) => {
@@ -525,8 +525,13 @@ fn a_run_that_is_killed_at_any_moment_goes_on() {
                 }
             };
         }
-        let summaries = [&whole, &parts].map(|folder| timeless(folder));
-        assert_eq!(summaries[0], summaries[1]);
+        // frames that were being written down when the run was killed are set aside, with those before
+        if parts.join("particles.vtkhdf.damaged").exists() {
+            println!("frames began anew");
+            assert_eq!(timeless(&whole), timeless(&parts));
+        } else {
+            same_results(&whole, &parts);
+        }
     }
     println!("killed {kills} times in {rounds} runs");
 }
