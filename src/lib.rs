@@ -7,6 +7,7 @@ pub mod grid;
 pub mod input;
 pub mod output;
 pub mod physics;
+pub mod plan;
 pub mod simd;
 pub mod simulation;
 #[path = "../tasks/mod.rs"]

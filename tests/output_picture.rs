@@ -57,6 +57,7 @@ fn scene() -> Scene {
             pic: 0.0,
             viscosity: None,
             leaving: Leaving::Error,
+            rebalance_every: 0,
             patches: None,
             threads: None,
         },

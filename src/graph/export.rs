@@ -186,12 +186,6 @@ impl TaskGraph {
             "carried": self.carried.iter().map(|l| l.name()).collect::<Vec<_>>(),
         })
     }
-
-    /// Which scene line asked for the tasks called `name`: (task with material, dotted key; empty: always there).
-    pub fn why(&self, name: &str) -> Vec<(String, String)> {
-        let matching = self.graph.node_weights().filter(|n| n.declaration.name.eq_ignore_ascii_case(name));
-        matching.map(|n| (n.name.clone(), self.recipe.entries[n.entry].because.clone())).collect()
-    }
 }
 
 /// When a stage runs, where materials take steps of their own.

@@ -1,9 +1,13 @@
 //! From a recipe of declared tasks to a graph that runs: edges derived, idle tasks pruned, chains fused.
 pub mod build;
+pub mod diagram;
 pub mod error;
 pub mod exchange;
 pub mod export;
 pub mod fuse;
+pub mod measured;
 pub mod prune;
 pub mod recipe;
 pub mod task;
+pub mod traffic;
+pub mod why;

@@ -258,8 +258,10 @@ fn run(given: &Node) -> Run {
         viscosity: given.find("viscosity").map(viscosity),
         leaving: match given.get("leaving").word() {
             "delete" => Leaving::Delete,
+            "reflect" => Leaving::Reflect,
             _ => Leaving::Error,
         },
+        rebalance_every: given.get("rebalance-every").count(),
         patches: given.find("patches").map(Node::counts),
         threads: given.find("threads").map(Node::count),
     }

@@ -277,10 +277,17 @@ static RUN: &[Field] = &[
     Field::optional("viscosity", Form::Table(VISCOSITY), "Artificial viscosity; absent: none."),
     Field::with_default(
         "leaving",
-        Form::Choice(&["error", "delete"]),
+        Form::Choice(&["error", "delete", "reflect"]),
         Absent::Word("error"),
-        "A particle that leaves \
-        the domain stops the run, or is taken out and counted.",
+        "A particle that leaves the domain stops the run, is taken out, or is put back with its velocity mirrored at the face; \
+        the latter two are counted.",
+    ),
+    Field::with_default(
+        "rebalance-every",
+        count_from(0),
+        Absent::Count(100),
+        "Every so many steps patches move to other ranks, if their measured costs say that it pays; 0: never. It changes \
+        no bit of the result.",
     ),
     Field::optional("patches", COUNTS, "Patches along each axis; absent: chosen from the number of threads."),
     Field::optional("threads", count_from(1), "Threads; absent: all cores."),

@@ -221,6 +221,8 @@ pub enum Leaving {
     Error,
     /// It is taken out and counted.
     Delete,
+    /// It is put back inside, with its velocity mirrored at the face, and counted.
+    Reflect,
 }
 
 /// Numerics.
@@ -244,6 +246,8 @@ pub struct Run {
     pub viscosity: Option<Viscosity>,
     /// What happens to a particle that leaves the domain.
     pub leaving: Leaving,
+    /// Steps between two attempts to balance the load of ranks (0: none).
+    pub rebalance_every: u64,
     /// Patches along each axis; `None`: chosen from the number of threads.
     pub patches: Option<[usize; 3]>,
     /// Threads; `None`: all cores.

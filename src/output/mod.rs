@@ -8,6 +8,7 @@ pub mod picture;
 pub mod snapshot;
 pub mod space;
 pub mod summary;
+pub mod trace;
 pub mod vtkhdf;
 pub mod wound;
 

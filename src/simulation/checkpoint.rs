@@ -1,6 +1,9 @@
 //! A run's state into a checkpoint, and out of it.
 use super::fault::RunError;
-use super::{Ledger, Simulation, Workers, available_threads, ledger, parcel, populate, step_graph, together};
+use super::{
+    Balance, Ledger, Simulation, Workers, available_threads, layout, ledger, parcel, populate, step_graph,
+    together,
+};
 use crate::data::extent;
 use crate::data::label::Home;
 use crate::data::labels::LabelId;
@@ -10,7 +13,7 @@ use crate::data::warehouse::Warehouse;
 use crate::exec::Engine;
 use crate::exec::ranks::Network;
 use crate::graph::build::TaskGraph;
-use crate::grid::{Decomposition, Level, Partition};
+use crate::grid::{Level, Partition};
 use crate::input::scene::{Rates, Scene};
 use crate::output;
 use crate::output::checkpoint::{self, BlockRow, Head, Material, Part, Reader, Recorded, VERSION, Writer};
@@ -86,27 +89,18 @@ impl Simulation {
         isa: Isa,
         from: &Reader,
     ) -> Result<Self, RunError> {
-        let level = Level { lower: scene.domain.lower, cell: scene.domain.cell, cells: scene.domain.cells };
         let threads = scene.run.threads.unwrap_or_else(available_threads);
-        let counts = scene
-            .run
-            .patches
-            .unwrap_or_else(|| Decomposition::automatic(&level, 8 * threads * network.size()));
-        let decomposition = Decomposition::new(&level, counts).map_err(RunError::Patches)?;
-        let patches = decomposition.patches.len();
         let tables =
             (0..from.head.materials.len()).map(|m| from.blocks(m)).collect::<output::Result<Vec<_>>>()?;
-        let partition = match network.size() {
-            1 => Partition::alone(patches),
-            ranks => {
-                let costs = costs(&decomposition, &tables);
-                Partition::by_cost(&decomposition, &costs, network.rank(), ranks)
-                    .map_err(RunError::Patches)?
-            }
-        };
+        let census: Vec<_> = tables.iter().flatten().map(|b| (b.index, u64::from(b.count))).collect();
+        let (decomposition, loads) =
+            layout::cut(&scene, 8 * threads * network.size(), &census).map_err(RunError::Patches)?;
+        let partition = Partition::by_cost(&decomposition, &loads, network.rank(), network.size())
+            .map_err(RunError::Patches)?;
+        let patches = decomposition.patches.len();
         let graph = step_graph(&scene, patches)?;
         let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
-        let mut warehouse = populate::empty(&scene, level, decomposition, partition, &graph);
+        let mut warehouse = populate::empty(&scene, decomposition, partition, &graph);
         warehouse.own_rates = scene.run.rates != Rates::Common;
         fill(&mut warehouse, from, &tables)?;
         restore_shared(&mut warehouse, from, scene.run.until)?;
@@ -116,7 +110,8 @@ impl Simulation {
         let steps = from.head.steps;
         // counted by rank, added up for people
         let updates = if network.rank() == 0 { from.head.updates } else { 0 };
-        Ok(Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps, updates })
+        let balance = Balance::default();
+        Ok(Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps, updates, balance })
     }
 }
 
@@ -148,7 +143,7 @@ fn write(network: &mut dyn Network, warehouse: &Warehouse, path: &Path, head: &H
             writer = Err(error);
         }
     };
-    parcel::collect(network, |give| parts(warehouse, give), take).map_err(together::lost)?;
+    parcel::collect(network, |give| parts(warehouse, give), take)?;
     writer?.map_or(Ok(()), Writer::finish)
 }
 
@@ -203,16 +198,6 @@ impl parcel::Parcel for Part {
         }
         Part { material: material as usize, blocks, columns }
     }
-}
-
-/// Particles in each patch.
-fn costs(decomposition: &Decomposition, tables: &[Vec<BlockRow>]) -> Vec<u64> {
-    let mut costs = vec![0; decomposition.patches.len()];
-    for block in tables.iter().flatten() {
-        let patch = decomposition.owner(block.index);
-        patch.into_iter().for_each(|patch| costs[patch] += u64::from(block.count));
-    }
-    costs
 }
 
 /// Blocks that are read at once, and the rows that they and those between them take.

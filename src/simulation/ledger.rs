@@ -101,6 +101,8 @@ pub struct Report {
     pub deleted_energy: f64,
     /// Deleted particles.
     pub deleted: u64,
+    /// How often a particle was put back into the domain.
+    pub reflected: u64,
     /// What the accounts do not explain [J]: initial energy + boundary work − all energy now.
     pub residual: f64,
 }
@@ -129,6 +131,7 @@ pub struct Ledger {
     boundary_impulse: [f64; 3],
     deleted: u64,
     deleted_energy: f64,
+    reflected: u64,
     first_failure: Vec<[Option<FirstFailure>; 2]>,
 }
 
@@ -144,6 +147,7 @@ impl Ledger {
         let [x, y, z] = self.boundary_impulse;
         let mut numbers = vec![self.initial_energy, self.friction, self.impact, self.transfer];
         numbers.extend([self.boundary_work, x, y, z, f64::from_bits(self.deleted), self.deleted_energy]);
+        numbers.push(f64::from_bits(self.reflected));
         for first in self.first_failure.iter().flatten() {
             numbers.extend(first.map_or([f64::NAN; 5], |f| {
                 [f.time, f64::from_bits(f.particle), f.position[0], f.position[1], f.position[2]]
@@ -154,9 +158,9 @@ impl Ledger {
 
     /// From its numbers; `None` if they are not those of a ledger of so many materials.
     pub fn from_numbers(numbers: &[f64], materials: usize) -> Option<Self> {
-        let (totals, failures) = numbers.split_first_chunk::<10>()?;
-        let [initial_energy, friction, impact, transfer, boundary_work, x, y, z, deleted, deleted_energy] =
-            *totals;
+        let (totals, failures) = numbers.split_first_chunk::<11>()?;
+        let [initial_energy, friction, impact, transfer, boundary_work, x, y, z, rest @ ..] = *totals;
+        let [deleted, deleted_energy, reflected] = rest;
         let first = |&[time, particle, x, y, z]: &[f64; 5]| {
             let particle = particle.to_bits();
             (!time.is_nan()).then_some(FirstFailure { time, particle, position: [x, y, z] })
@@ -173,6 +177,7 @@ impl Ledger {
             boundary_impulse: [x, y, z],
             deleted: deleted.to_bits(),
             deleted_energy,
+            reflected: reflected.to_bits(),
             first_failure,
         })
     }
@@ -195,6 +200,11 @@ impl Ledger {
                 *known = Some(FirstFailure { time, particle: particle as u64, position: [x, y, z] });
             }
         }
+    }
+
+    /// Counts particles that came back into the domain.
+    pub fn reflect(&mut self, particles: u64) {
+        self.reflected += particles;
     }
 
     /// Counts a particle that left the domain.
@@ -220,6 +230,7 @@ impl Ledger {
             boundary_impulse: self.boundary_impulse,
             deleted_energy: self.deleted_energy,
             deleted: self.deleted,
+            reflected: self.reflected,
             residual: 0.0,
         };
         let lost = self.friction + self.impact + self.transfer + self.deleted_energy;

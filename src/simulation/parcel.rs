@@ -1,5 +1,5 @@
 //! Arrays in messages to the rank that writes.
-use crate::exec::ranks::{Channel, Lost, Network, pack, unpack};
+use crate::exec::ranks::{Channel, Network, NetworkError, pack, unpack};
 use crate::output::frame::Piece;
 use bytemuck::{NoUninit, Pod};
 
@@ -41,7 +41,7 @@ pub fn collect<P: Parcel>(
     network: &mut dyn Network,
     each: impl FnOnce(&mut dyn FnMut(P)),
     mut take: impl FnMut(P),
-) -> Result<(), Lost> {
+) -> Result<(), NetworkError> {
     if network.rank() > 0 {
         each(&mut |parcel: P| {
             network.send(0, Channel::Output, pack(&parcel.words()));

@@ -1,6 +1,6 @@
 //! What ranks agree about, and sums over them.
 use super::ledger::Report;
-use crate::exec::ranks::{Lost, Network, collective, pack, unpack};
+use crate::exec::ranks::{Network, NetworkError, collective, pack, unpack};
 use crate::output::{self, Error};
 
 /// The outcome of something that only some ranks did: all of them go on, or none does. A rank that did not fail itself
@@ -17,7 +17,7 @@ pub fn agree<T>(network: &mut dyn Network, mine: output::Result<T>) -> output::R
         &mut words,
         mine.as_ref().err().map(ToString::to_string).unwrap_or_default().as_bytes(),
     );
-    let all = collective::share(network, &words).map_err(lost)?;
+    let all = collective::share(network, &words)?;
     let texts = all.iter().map(|words| super::parcel::take::<u8>(&mut &words[..]));
     let first = texts.enumerate().find(|(_, text)| !text.is_empty());
     match (mine, first) {
@@ -28,11 +28,6 @@ pub fn agree<T>(network: &mut dyn Network, mine: output::Result<T>) -> output::R
     }
 }
 
-/// The error of output that misses a rank.
-pub fn lost(lost: Lost) -> Error {
-    Error::Ranks(lost.to_string())
-}
-
 /// The numbers of all ranks, rank by rank.
 ///
 /// # Errors
@@ -40,7 +35,7 @@ pub fn lost(lost: Lost) -> Error {
 pub fn all(network: &mut dyn Network, mine: &[u64]) -> output::Result<Vec<Vec<u64>>> {
     match network.size() {
         1 => Ok(vec![mine.to_vec()]),
-        _ => collective::share(network, mine).map_err(lost),
+        _ => Ok(collective::share(network, mine)?),
     }
 }
 
@@ -53,7 +48,7 @@ pub fn from_first(network: &mut dyn Network, mine: Vec<u64>) -> output::Result<V
         return Ok(mine);
     }
     let mut message = pack(&mine);
-    collective::broadcast(network, &mut message).map_err(lost)?;
+    collective::broadcast(network, &mut message)?;
     Ok(unpack(&message).to_vec())
 }
 
@@ -61,7 +56,7 @@ pub fn from_first(network: &mut dyn Network, mine: Vec<u64>) -> output::Result<V
 ///
 /// # Errors
 /// If a rank is gone.
-pub fn count_particles(network: &mut dyn Network, report: &mut Report) -> Result<(), Lost> {
+pub fn count_particles(network: &mut dyn Network, report: &mut Report) -> Result<(), NetworkError> {
     let mut counts: Vec<u64> = report.materials.iter().map(|material| material.particles).collect();
     collective::sum(network, &mut counts)?;
     report.materials.iter_mut().zip(counts).for_each(|(material, count)| material.particles = count);

@@ -1,21 +1,35 @@
 //! `sinew graph`: the tasks of a step and what passes between them.
 use super::fail::Failure;
 use super::run::SceneArgs;
-use sinew::grid::{Decomposition, Level};
+use sinew::graph::build::TaskGraph;
+use sinew::graph::diagram::Diagram;
+use sinew::graph::export::Cycle;
+use sinew::graph::measured::Measured;
+use sinew::input::scene::Scene;
+use sinew::output::trace;
+use sinew::plan::{self, Plan};
 use sinew::simulation::{rates, step_graph};
+use std::path::PathBuf;
 
 /// Output form.
-#[derive(Clone, Copy, clap::ValueEnum)]
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 enum Format {
-    /// A table
+    /// Tables: tasks, messages, critical path
     Text,
     /// Graphviz
     Dot,
-    /// Tasks and edges
+    /// All that is known about tasks, edges and messages
     Json,
+    /// A picture
+    Svg,
+    /// One page with pictures that explain themselves: open it in a browser
+    Html,
 }
 
 /// Print the task graph of a step of a scene
+///
+/// Tasks, what they read and write, the edges that follow from it, fused stages, what patches and ranks exchange, and the
+/// critical path. Bytes and messages are counted on the particles with which the scene begins.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -23,38 +37,125 @@ pub struct Args {
     /// Output form
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Which line of the scene asked for this task?
-    #[arg(long, value_name = "TASK")]
+    /// Ranks that share the patches (default patches: one a rank; a run cuts eight a thread)
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    ranks: usize,
+    /// One node a task and patch, instead of one a task
+    #[arg(long)]
+    expanded: bool,
+    /// Only what happens on this patch, and what is next to it (expanded)
+    #[arg(long, value_name = "P")]
+    patch: Option<usize>,
+    /// Only what happens on this rank, and what is next to it (expanded)
+    #[arg(long, value_name = "R")]
+    rank: Option<usize>,
+    /// Which line of the scene asked for this task? Who writes and reads this label? With A:B: why does A come before B?
+    #[arg(long, value_name = "TASK|LABEL|A:B", conflicts_with_all = ["check", "trace"])]
     why: Option<String>,
+    /// Look for races, undeclared halos, idle labels and the like; exit status 1 if there are any
+    #[arg(long)]
+    check: bool,
+    /// Take times from the trace of a run: sinew run SCENE --trace writes it to RUN/trace.json
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = args.scene.read()?;
-    let level = Level { lower: scene.domain.lower, cell: scene.domain.cell, cells: scene.domain.cells };
-    let counts = scene.run.patches.unwrap_or([1; 3]);
-    let patches = Decomposition::new(&level, counts).map_err(Failure::usage)?.patches.len();
+    let plan = plan::plan(&scene, args.ranks).map_err(Failure::usage)?;
+    let patches = plan.decomposition.patches.len();
     let graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
-    if let Some(task) = &args.why {
-        let found = graph.why(task);
-        if found.is_empty() {
-            return Err(Failure::usage(format!("no task {task} in this scene; sinew graph lists them")));
-        }
-        for (name, key) in found {
-            let line = scene.lines.iter().find(|(k, _)| !key.is_empty() && k.starts_with(&key));
-            match (key.as_str(), line) {
-                ("", _) => println!("{name}: every explicit step has it"),
-                (_, Some((key, line))) => println!("{name}: {key}, line {line} of the scene"),
-                (key, None) => println!("{name}: {key}, by default or by --set"),
-            }
-        }
-        return Ok(());
+    if let Some(what) = &args.why {
+        return why(&scene, &graph, what);
     }
-    let cycle = rates::at_rest(&scene);
+    outside("patch", args.patch, patches)?;
+    outside("rank", args.rank, args.ranks)?;
+    let measured = args.trace.as_deref().map(trace::read).transpose()?;
+    show(args, &scene, &graph, &plan, measured.as_ref())
+}
+
+/// Refuses a patch or rank that does not exist.
+fn outside(what: &str, wanted: Option<usize>, count: usize) -> Result<(), Failure> {
+    match wanted {
+        Some(number) if number >= count => {
+            Err(Failure::usage(format!("there is no {what} {number}: there are {what}s 0 to {}", count - 1)))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn show(
+    args: &Args,
+    scene: &Scene,
+    graph: &TaskGraph,
+    plan: &Plan,
+    measured: Option<&Measured>,
+) -> Result<(), Failure> {
+    let cycle = rates::at_rest(scene);
+    let of = |expanded| diagram(args, graph, &cycle, plan, measured, expanded);
+    let expanded = args.expanded || args.patch.is_some() || args.rank.is_some();
+    let diagram = of(expanded);
     match args.format {
-        Format::Text => print!("{}", graph.to_text(&cycle)),
-        Format::Dot => print!("{}", graph.to_dot(&cycle)),
-        Format::Json => println!("{:#}", graph.to_json(&cycle)),
+        Format::Text => print!("{}", diagram.to_text()),
+        Format::Dot => print!("{}", diagram.to_dot()),
+        Format::Json => println!("{:#}", diagram.to_json()),
+        Format::Svg => print!("{}", diagram.to_svg().map_err(Failure::usage)?),
+        Format::Html => {
+            let other = (plan.traffic.patches() > 1).then(|| of(!expanded));
+            let title = format!("{}: a step", scene.title);
+            print!("{}", diagram.to_html(&title, other.as_ref()).map_err(Failure::usage)?);
+        }
     }
     Ok(())
+}
+
+fn diagram<'a>(
+    args: &Args,
+    graph: &'a TaskGraph,
+    cycle: &'a Cycle,
+    plan: &'a Plan,
+    measured: Option<&'a Measured>,
+    expanded: bool,
+) -> Diagram<'a> {
+    if !expanded {
+        return Diagram::collapsed(graph, cycle, &plan.traffic, measured);
+    }
+    let mut diagram = Diagram::expanded(graph, cycle, &plan.traffic, measured);
+    if let Some(patch) = args.patch {
+        diagram.keep(|item| item.patch == Some(patch));
+    }
+    if let Some(rank) = args.rank {
+        diagram.keep(|item| item.rank == Some(rank) || item.to_rank == Some(rank));
+    }
+    diagram
+}
+
+/// Answers `--why`.
+fn why(scene: &Scene, graph: &TaskGraph, what: &str) -> Result<(), Failure> {
+    let lines = match what.split_once(':') {
+        Some((from, to)) => graph.why_edge(from.trim(), to.trim()),
+        None => tasks(scene, graph, what).into_iter().chain(graph.why_label(what)).collect(),
+    };
+    if lines.is_empty() {
+        return Err(Failure::usage(match what.split_once(':') {
+            Some((from, to)) => format!("nothing makes {from} come before {to} in this scene"),
+            None => format!("no task {what} in this scene, and no label; sinew graph lists them"),
+        }));
+    }
+    lines.iter().for_each(|line| println!("{line}"));
+    Ok(())
+}
+
+/// The lines of the scene behind the tasks of a name.
+fn tasks(scene: &Scene, graph: &TaskGraph, name: &str) -> Vec<String> {
+    let line = |(name, key): (String, String)| {
+        let line = scene.lines.iter().find(|(k, _)| !key.is_empty() && k.starts_with(&key));
+        match (key.as_str(), line) {
+            ("", _) => format!("{name}: every explicit step has it"),
+            (_, Some((key, line))) => format!("{name}: {key}, line {line} of the scene"),
+            (key, None) => format!("{name}: {key}, by default or by --set"),
+        }
+    };
+    graph.why(name).into_iter().map(line).collect()
 }

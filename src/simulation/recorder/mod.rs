@@ -156,7 +156,7 @@ impl Recorder {
         let by_clock = simulation.network().rank() == 0 && self.checkpoints.by_clock(&wanted);
         // one message for both: whom a signal reached, and what the clock of rank 0 says
         let mut wishes = [u64::from(interrupted), u64::from(by_clock)];
-        collective::sum(simulation.network(), &mut wishes).map_err(together::lost)?;
+        collective::sum(simulation.network(), &mut wishes)?;
         let stop = wishes[0] > 0 && !finished;
         if by_step || wishes[1] > 0 || stop {
             self.checkpoint(simulation)?;
@@ -166,7 +166,7 @@ impl Recorder {
 
     fn row(&mut self, simulation: &mut Simulation) -> output::Result<()> {
         let began = Instant::now();
-        let report = simulation.report();
+        let report = simulation.report()?;
         let written = self.files.as_mut().map_or(Ok(()), |files| files.history.row(&rows::cells(&report)));
         together::agree(simulation.network(), written)?;
         self.output_s += began.elapsed().as_secs_f64();
@@ -257,7 +257,7 @@ fn write_frame(mut writer: Option<&mut vtkhdf::Writer>, simulation: &mut Simulat
             written = writer.piece(&piece);
         }
     };
-    parcel::collect(&mut **network, |give| snapshot.pieces(row, give), take).map_err(together::lost)?;
+    parcel::collect(&mut **network, |give| snapshot.pieces(row, give), take)?;
     written?;
     writer.map_or(Ok(()), vtkhdf::Writer::end)
 }

@@ -31,7 +31,7 @@ pub struct Ending {
 /// If a rank is gone.
 pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<Summary> {
     let Ending { status, error, wall_s, stepping_s } = ending;
-    let report = simulation.report();
+    let report = simulation.report()?;
     let energy = report.energy();
     let [particle_bytes, node_bytes, updates] = over_ranks(simulation)?;
     let (state_hash, ranks) = (simulation.state_hash(), simulation.network().size());

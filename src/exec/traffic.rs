@@ -1,0 +1,111 @@
+//! Counts what patches and ranks send each other: from the blocks as they are, nothing is sent.
+use super::halo::{back, pencils};
+use super::stage::SCATTERED;
+use crate::data::extent;
+use crate::data::labels::LabelId;
+use crate::data::nodes::{NODES, NOWHERE};
+use crate::data::particles::ParticleBlock;
+use crate::data::warehouse::Warehouse;
+use crate::graph::traffic::{Lines, Traffic};
+use crate::grid::{Decomposition, IndexBox, Partition};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What the patches of an activated warehouse that holds all particles send each other, if `partition` says who is on
+/// which rank.
+///
+/// A particle block sends the lines that its particles can touch (see [`extent::touched`]) to who owns the nodes; the
+/// nodes' owner sends back those that particles of the receiver touch, each once a receiver.
+pub fn count(warehouse: &Warehouse, partition: &Partition) -> Traffic {
+    let rank_of: Vec<usize> =
+        (0..warehouse.decomposition.patches.len()).map(|patch| partition.rank_of(patch)).collect();
+    let by_material = |count: &dyn Fn(&ParticleBlock) -> usize| -> Vec<Vec<u64>> {
+        let of = |blocks: &[ParticleBlock]| blocks.iter().map(count).sum::<usize>() as u64;
+        warehouse.particles.iter().map(|homes| homes.iter().map(|home| of(&home.blocks)).collect()).collect()
+    };
+    Traffic {
+        ranks: partition.ranks,
+        particles: by_material(&|block| block.count),
+        near: by_material(&|block| if block.near { block.count } else { 0 }),
+        blocks: by_material(&|_| 1),
+        nodes: nodes(warehouse),
+        between: between(warehouse, |patch| patch),
+        to_rank: between(warehouse, |patch| rank_of[patch]),
+        neighbors: neighbors(&warehouse.decomposition, &rank_of),
+        reduction: reduction(partition.ranks),
+        rank_of,
+    }
+}
+
+fn nodes(warehouse: &Warehouse) -> Vec<Vec<u64>> {
+    let of = |patch: &crate::data::warehouse::NodePatch| {
+        let mut counts = vec![0; warehouse.materials.len()];
+        let present = patch.blocks.iter().flat_map(|block| &block.present);
+        present.for_each(|&material| counts[material as usize] += NODES as u64);
+        counts
+    };
+    warehouse.nodes.iter().map(of).collect()
+}
+
+/// Lines from each patch to each receiver, where patch p belongs to receiver `part(p)`.
+fn between(warehouse: &Warehouse, part: impl Fn(usize) -> usize) -> BTreeMap<(usize, usize), Lines> {
+    let mut all: BTreeMap<(usize, usize), Lines> = BTreeMap::new();
+    let mut add = |from, to, label, material, lines: u32| {
+        if lines > 0 {
+            *all.entry((from, to)).or_default().entry((label, material)).or_default() += u64::from(lines);
+        }
+    };
+    // nodes of a block that a receiver's particles of a material read, one bit each
+    let mut read: BTreeMap<((u32, u32), usize, usize), u64> = BTreeMap::new();
+    for (patch, homes) in warehouse.particles.iter().enumerate() {
+        for (material, block) in
+            homes.iter().enumerate().flat_map(|(m, home)| home.blocks.iter().map(move |b| (m, b)))
+        {
+            let touched = extent::touched(&block.extent, block.index);
+            for (q, &place) in block.around.iter().enumerate().filter(|(_, place)| **place != NOWHERE) {
+                let nodes = shared(q, &touched);
+                let to = part(place.0 as usize);
+                for (label, which) in SCATTERED {
+                    if which == 0 || block.near {
+                        add(patch, to, label, material, nodes.count_ones());
+                    }
+                }
+                *read.entry((place, material, part(patch))).or_default() |= nodes;
+            }
+        }
+    }
+    for (((patch, _), material, to), nodes) in read {
+        add(patch as usize, to, LabelId::NodeMotion, material, nodes.count_ones());
+    }
+    all
+}
+
+/// The nodes of the `q`-th block around that lie in the touched part of a block's buffer, one bit each.
+fn shared(q: usize, touched: &IndexBox) -> u64 {
+    let mut nodes = 0;
+    pencils(back(q), touched, |own, _| own.for_each(|node| nodes |= 1 << node));
+    nodes
+}
+
+/// Pairs of ranks that have patches side by side.
+fn neighbors(decomposition: &Decomposition, rank_of: &[usize]) -> BTreeSet<(usize, usize)> {
+    let touch = |a: &IndexBox, b: &IndexBox| {
+        let near = a.grown(1);
+        (0..3).all(|axis| near.lower[axis] < b.upper[axis] && b.lower[axis] < near.upper[axis])
+    };
+    let patches = || decomposition.patches.iter().zip(rank_of);
+    let pairs = patches().flat_map(|a| patches().map(move |b| (a, b)));
+    let apart = pairs.filter(|((a, r), (b, s))| r != s && touch(&a.blocks, &b.blocks));
+    apart.map(|((_, &r), (_, &s))| (r, s)).collect()
+}
+
+/// Messages of `ranks::collective::reduce`, in the order of its rounds.
+fn reduction(ranks: usize) -> Vec<(usize, usize)> {
+    let whole = 1 << ranks.ilog2();
+    let extra = ranks - whole;
+    let mut messages: Vec<_> = (0..extra).map(|rank| (whole + rank, rank)).collect();
+    for bit in 0..whole.ilog2() {
+        messages.extend((0..whole).map(|rank| (rank, rank ^ 1 << bit)));
+    }
+    messages.extend((0..extra).map(|rank| (rank, whole + rank)));
+    messages
+}

@@ -1,0 +1,164 @@
+//! What patches and ranks send each other in a tick, as plain numbers from who has the data.
+use super::fuse::Phase;
+use crate::data::label::Home;
+use crate::data::labels::LabelId;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Bytes of a line: one node of one material, or eight numbers of anything else.
+pub const LINE: u64 = 64;
+
+/// Lines by label and material.
+pub type Lines = BTreeMap<(LabelId, usize), u64>;
+
+/// What passes between patches and ranks when all materials act.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Traffic {
+    /// Number of ranks.
+    pub ranks: usize,
+    /// The rank of each patch.
+    pub rank_of: Vec<usize>,
+    /// Particles: `[patch][material]`.
+    pub particles: Vec<Vec<u64>>,
+    /// Those of them near another material.
+    pub near: Vec<Vec<u64>>,
+    /// Blocks with particles: `[patch][material]`.
+    pub blocks: Vec<Vec<u64>>,
+    /// Nodes: `[patch][material]`.
+    pub nodes: Vec<Vec<u64>>,
+    /// From patch to patch, and from a patch to itself.
+    pub between: BTreeMap<(usize, usize), Lines>,
+    /// From a patch to a rank. What several patches of a rank read travels once.
+    pub to_rank: BTreeMap<(usize, usize), Lines>,
+    /// Pairs of ranks (both ways) whose patches lie side by side.
+    pub neighbors: BTreeSet<(usize, usize)>,
+    /// Messages of one reduction, from rank to rank.
+    pub reduction: Vec<(usize, usize)>,
+}
+
+/// Messages from one rank to another.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Messages {
+    /// How many.
+    pub count: u64,
+    /// Bytes of all of them.
+    pub bytes: u64,
+}
+
+impl Messages {
+    /// Adds messages.
+    pub fn add(&mut self, count: u64, bytes: u64) {
+        (self.count, self.bytes) = (self.count + count, self.bytes + bytes);
+    }
+}
+
+impl Traffic {
+    /// Nothing, on one patch and one rank: for graphs without a scene.
+    pub fn none(materials: usize) -> Self {
+        let zeros = || vec![vec![0; materials]];
+        let (particles, near, blocks, nodes) = (zeros(), zeros(), zeros(), zeros());
+        Self { ranks: 1, rank_of: vec![0], particles, near, blocks, nodes, ..Self::default() }
+    }
+
+    /// Number of patches.
+    pub fn patches(&self) -> usize {
+        self.rank_of.len()
+    }
+
+    /// Bytes of some labels of a material (`None`: of all) from patch to patch.
+    pub fn patch_bytes(&self, from: usize, to: usize, labels: &[LabelId], material: Option<usize>) -> u64 {
+        LINE * self.between.get(&(from, to)).map_or(0, |lines| select(lines, labels, material))
+    }
+
+    /// Bytes of some labels of a material (`None`: of all) from a patch to a rank.
+    pub fn rank_bytes(&self, from: usize, to: usize, labels: &[LabelId], material: Option<usize>) -> u64 {
+        LINE * self.to_rank.get(&(from, to)).map_or(0, |lines| select(lines, labels, material))
+    }
+
+    /// Bytes of some labels of a material (`None`: of all) that stay on a rank (`false`) or travel to another (`true`).
+    pub fn total_bytes(&self, labels: &[LabelId], material: Option<usize>, travel: bool) -> u64 {
+        let lines: u64 = match travel {
+            true => self.traveling().map(|(_, _, lines)| select(lines, labels, material)).sum(),
+            false => {
+                let stays = |&(&(a, b), _): &(&(usize, usize), &Lines)| self.rank_of[a] == self.rank_of[b];
+                self.between.iter().filter(stays).map(|(_, lines)| select(lines, labels, material)).sum()
+            }
+        };
+        LINE * lines
+    }
+
+    /// What leaves patches for other ranks: patch, rank and lines.
+    pub fn traveling(&self) -> impl Iterator<Item = (usize, usize, &Lines)> {
+        let lines = self.to_rank.iter().map(|(&(patch, rank), lines)| (patch, rank, lines));
+        lines.filter(|&(patch, rank, _)| self.rank_of[patch] != rank)
+    }
+
+    /// One message for each pair of ranks between which something of `labels` travels.
+    pub fn halo(&self, labels: &[LabelId]) -> BTreeMap<(usize, usize), Messages> {
+        let mut pairs = BTreeMap::new();
+        for (patch, to, lines) in self.traveling() {
+            let bytes = LINE * select(lines, labels, None);
+            if bytes > 0 {
+                let messages: &mut Messages = pairs.entry((self.rank_of[patch], to)).or_default();
+                (messages.count, messages.bytes) = (1, messages.bytes + bytes);
+            }
+        }
+        pairs
+    }
+
+    /// Messages of a reduction of `labels`, by pair of ranks.
+    pub fn reduce(&self, labels: &[LabelId]) -> BTreeMap<(usize, usize), Messages> {
+        let bytes = self.reduced_bytes(labels);
+        let mut pairs: BTreeMap<_, Messages> = BTreeMap::new();
+        self.reduction.iter().for_each(|&pair| pairs.entry(pair).or_default().add(1, bytes));
+        pairs
+    }
+
+    /// Bytes of all shared values of `labels`.
+    pub fn reduced_bytes(&self, labels: &[LabelId]) -> u64 {
+        let materials = self.particles.first().map_or(1, Vec::len) as u64;
+        let tiles = |label: &LabelId| if label.home() == Home::Material { materials } else { 1 };
+        labels.iter().map(|label| LINE * label.width() as u64 * tiles(label)).sum()
+    }
+
+    /// One message to each neighbor, with a line that says how many particles follow.
+    pub fn relocation(&self) -> BTreeMap<(usize, usize), Messages> {
+        self.neighbors.iter().map(|&pair| (pair, Messages { count: 1, bytes: LINE })).collect()
+    }
+
+    /// Messages of a tick by what they are about: halos by their phase, then all reductions, then relocation.
+    pub fn by_cause(
+        &self,
+        phases: &[Phase],
+        at_end: &[LabelId],
+    ) -> Vec<(String, BTreeMap<(usize, usize), Messages>)> {
+        let mut causes = Vec::new();
+        for phase in phases {
+            if !phase.halos.is_empty() {
+                causes.push((names(&phase.halos), self.halo(&phase.halos)));
+            }
+            if !phase.reductions.is_empty() {
+                causes.push((
+                    format!("reduction of {}", names(&phase.reductions)),
+                    self.reduce(&phase.reductions),
+                ));
+            }
+        }
+        if !at_end.is_empty() {
+            causes.push(("reduction at the end".to_owned(), self.reduce(at_end)));
+        }
+        causes.push(("relocation".to_owned(), self.relocation()));
+        causes
+    }
+}
+
+/// Names of labels in a row.
+pub fn names(labels: &[LabelId]) -> String {
+    labels.iter().map(|label| label.name()).collect::<Vec<_>>().join(", ")
+}
+
+fn select(lines: &Lines, labels: &[LabelId], material: Option<usize>) -> u64 {
+    let wanted = |&(&(label, m), _): &(&(LabelId, usize), &u64)| {
+        labels.contains(&label) && material.is_none_or(|wanted| m == wanted)
+    };
+    lines.iter().filter(wanted).map(|(_, lines)| lines).sum()
+}

@@ -1,0 +1,196 @@
+//! Writes the events of all ranks, piece by piece, so that no rank ever holds those of all.
+use crate::exec::ranks::{Network, NetworkError, collective, pack, unpack};
+use crate::exec::trace::{Event, Kind, NONE, Recorder, Track};
+use crate::graph::build::TaskGraph;
+use crate::graph::fuse::Stage;
+use crate::output::error::{Error, Result, io};
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+/// Events that travel in one message.
+const PIECE: usize = 1 << 14;
+/// Numbers before the events of a piece: their worker, and how many the worker lost.
+const HEAD: usize = 2;
+
+/// Writes what `recorder` has recorded, and the recorders of all other ranks, into one file. All ranks must call it
+/// together; rank 0 writes. The recorders go on with empty lists.
+///
+/// # Errors
+/// A file that cannot be written (on rank 0), or a rank that is gone.
+pub fn write(path: &Path, graph: &TaskGraph, recorder: &Recorder, network: &mut dyn Network) -> Result<()> {
+    let pieces = pieces(&recorder.take());
+    let gone = |gone: NetworkError| Error::Content { path: path.into(), problem: gone.to_string() };
+    let counts = collective::share(network, &[pieces.len() as u64]).map_err(gone)?;
+    let rounds = counts.iter().filter_map(|count| count.first()).max().copied().unwrap_or(0);
+    let mut writer = None;
+    let mut result = Ok(());
+    if network.rank() == 0 {
+        match Writer::create(path, graph, network.size()) {
+            Ok(created) => writer = Some(created),
+            Err(error) => result = Err(error),
+        }
+    }
+    let mut pieces = pieces.into_iter();
+    for _ in 0..rounds {
+        // a rank that has no more sends an empty piece: all take part in every round
+        let message = pack(&pieces.next().unwrap_or_default());
+        let take = |rank: usize, lines: &[_]| {
+            if let (Some(writer), Ok(())) = (&mut writer, &result) {
+                result = writer.piece(rank, unpack(lines));
+            }
+        };
+        collective::gather(network, message, take).map_err(gone)?;
+    }
+    match writer {
+        Some(writer) if result.is_ok() => writer.finish(),
+        _ => result,
+    }
+}
+
+/// The tracks of a rank, cut into pieces.
+fn pieces(tracks: &[Track]) -> Vec<Vec<u64>> {
+    let mut pieces = Vec::new();
+    for (worker, track) in tracks.iter().enumerate() {
+        let mut lost = track.lost;
+        // a worker without events has a piece as well: it has a track, and may have lost some
+        for events in track.events.chunks(PIECE).chain(track.events.is_empty().then_some(&[][..])) {
+            let mut words = vec![worker as u64, std::mem::take(&mut lost)];
+            words.extend(events.iter().flat_map(|event| event.to_words()));
+            pieces.push(words);
+        }
+    }
+    pieces
+}
+
+/// A trace that is being written.
+struct Writer<'a> {
+    file: BufWriter<File>,
+    path: &'a Path,
+    graph: &'a TaskGraph,
+    /// Stages by the first of their lines in the recipe.
+    stages: HashMap<u32, &'a Stage>,
+    /// Tracks that have their names.
+    named: Vec<(usize, u64)>,
+    /// Bytes that each rank has sent so far.
+    sent: Vec<u64>,
+    lost: u64,
+    first: bool,
+}
+
+impl<'a> Writer<'a> {
+    fn create(path: &'a Path, graph: &'a TaskGraph, ranks: usize) -> Result<Self> {
+        let file = File::create(path).map_err(io("create", path))?;
+        let stages = graph.phases.iter().flat_map(|phase| &phase.stages);
+        let stages = stages.filter_map(|stage| Some((*stage.entries.first()? as u32, stage))).collect();
+        let (file, named, sent) = (BufWriter::new(file), Vec::new(), vec![0; ranks]);
+        let mut writer = Self { file, path, graph, stages, named, sent, lost: 0, first: true };
+        writer.text("{\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n")?;
+        for rank in 0..ranks {
+            writer.line(&meta("process_name", rank, 0, json!({ "name": format!("rank {rank}") })))?;
+            writer.line(&meta("process_sort_index", rank, 0, json!({ "sort_index": rank })))?;
+        }
+        Ok(writer)
+    }
+
+    fn text(&mut self, text: &str) -> Result<()> {
+        self.file.write_all(text.as_bytes()).map_err(io("write", self.path))
+    }
+
+    fn line(&mut self, event: &Value) -> Result<()> {
+        let comma = if std::mem::take(&mut self.first) { "" } else { ",\n" };
+        self.text(&format!("{comma}{event}"))
+    }
+
+    /// Writes a piece of a worker's track.
+    fn piece(&mut self, rank: usize, words: &[u64]) -> Result<()> {
+        let [worker, lost, events @ ..] = words else { return Ok(()) };
+        debug_assert_eq!(words.len() % Event::WORDS, HEAD);
+        self.lost += lost;
+        if !self.named.contains(&(rank, *worker)) {
+            self.named.push((rank, *worker));
+            let name = json!({ "name": format!("worker {worker}") });
+            self.line(&meta("thread_name", rank, *worker, name))?;
+        }
+        for event in events.chunks_exact(Event::WORDS).filter_map(Event::from_words) {
+            self.line(&self.complete(rank, *worker, &event))?;
+            if event.bytes > 0 {
+                self.sent[rank] += event.bytes;
+                let sent = json!({ "bytes": self.sent[rank] });
+                let end = micros(event.start + event.duration);
+                self.line(&json!({
+                    "name": "bytes sent", "ph": "C", "ts": end, "pid": rank, "tid": worker, "args": sent
+                }))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// An event with a beginning and a duration.
+    fn complete(&self, rank: usize, worker: u64, event: &Event) -> Value {
+        let (name, tasks) = self.name(event);
+        let known = |number: u32| (number != NONE).then_some(number);
+        let waits = matches!(event.kind, Kind::HaloWait | Kind::ReduceWait);
+        let mut args = json!({ "step": event.step });
+        let material = known(event.material).and_then(|m| self.graph.recipe.materials.get(m as usize));
+        let mut add = |key: &str, value: Value| {
+            if !value.is_null() {
+                args[key] = value;
+            }
+        };
+        add("tasks", if tasks.is_empty() { Value::Null } else { json!(tasks) });
+        add("material", json!(material));
+        add("phase", json!(known(event.place).filter(|_| waits)));
+        add("patch", json!(known(event.patch)));
+        add("slab", json!(known(event.slab)));
+        if event.messages > 0 {
+            add("messages", json!(event.messages));
+            add("bytes", json!(event.bytes));
+        }
+        json!({
+            "name": name, "cat": event.kind.name(), "ph": "X", "ts": micros(event.start),
+            "dur": micros(event.duration), "pid": rank, "tid": worker, "args": args
+        })
+    }
+
+    /// What an event is called, and the tasks that it ran.
+    fn name(&self, event: &Event) -> (String, Vec<&str>) {
+        let labels = |labels: &[crate::data::labels::LabelId]| {
+            labels.iter().map(|label| label.name()).collect::<Vec<_>>().join(", ")
+        };
+        let phase = self.graph.phases.get(event.place as usize);
+        match (event.kind, phase) {
+            (Kind::Task | Kind::Idle, _) => {
+                let nodes = self.stages.get(&event.place).map_or(&[][..], |stage| &stage.nodes[..]);
+                let tasks: Vec<&str> = nodes.iter().map(|&n| self.graph.graph[n].declaration.name).collect();
+                let name = match tasks[..] {
+                    [one] if event.kind == Kind::Task => one.to_owned(),
+                    [first, .., last] if event.kind == Kind::Task => format!("{first} … {last}"),
+                    _ => event.kind.name().to_owned(),
+                };
+                (name, tasks)
+            }
+            (Kind::HaloWait, Some(phase)) => (format!("halo: {}", labels(&phase.halos)), Vec::new()),
+            (Kind::ReduceWait, Some(phase)) => (format!("reduce: {}", labels(&phase.reductions)), Vec::new()),
+            (Kind::ReduceWait, None) => (format!("reduce: {}", labels(&self.graph.at_end)), Vec::new()),
+            (kind, _) => (kind.name().to_owned(), Vec::new()),
+        }
+    }
+
+    fn finish(mut self) -> Result<()> {
+        let lost = self.lost;
+        self.text(&format!("\n],\n\"otherData\":{{\"lost_events\":{lost}}}}}\n"))?;
+        self.file.flush().map_err(io("write", self.path))
+    }
+}
+
+/// An event that names a process or a thread.
+fn meta(what: &str, rank: usize, worker: u64, args: Value) -> Value {
+    json!({ "name": what, "ph": "M", "ts": 0, "pid": rank, "tid": worker, "args": args })
+}
+
+fn micros(ns: u64) -> f64 {
+    ns as f64 / 1e3
+}

@@ -1,0 +1,60 @@
+//! What a scene would exchange and cost, from the scene alone: no step is taken and no particle data are stored.
+use crate::data::particles::Layout;
+use crate::data::warehouse::{MaterialData, Warehouse};
+use crate::exec::traffic;
+use crate::graph::traffic::Traffic;
+use crate::grid::{Decomposition, Partition};
+use crate::input::lattice;
+use crate::input::scene::{Rates, Scene};
+use crate::simulation::layout;
+use crate::tasks::timestep;
+
+/// A scene cut into patches, and these given to ranks as a run would.
+pub struct Plan {
+    /// The patches.
+    pub decomposition: Decomposition,
+    /// Their ranks, seen from rank 0.
+    pub partition: Partition,
+    /// What travels in a tick in which all materials act, at the start.
+    pub traffic: Traffic,
+}
+
+/// Plans a run of `scene` on `ranks` ranks: on the patches that it asks for, or on a patch a rank.
+///
+/// # Errors
+/// Patches that do not fit the level, fewer patches than ranks, or no ranks.
+pub fn plan(scene: &Scene, ranks: usize) -> Result<Plan, String> {
+    if ranks == 0 {
+        return Err("0 ranks cannot run anything: give --ranks 1 or more".to_owned());
+    }
+    let (decomposition, costs) = layout::decompose(scene, ranks)?;
+    let warehouse = outline(scene, decomposition.clone());
+    let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
+    let traffic = traffic::count(&warehouse, &partition);
+    Ok(Plan { decomposition, partition, traffic })
+}
+
+/// The blocks of the scene's start with their extents, neighbors and nodes, and particles without any label.
+pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
+    let materials = (0..scene.materials.len()).map(|material| MaterialData {
+        name: scene.materials[material].name.clone(),
+        layout: Layout::new([], Vec::new()),
+        half_size: timestep::half_size(scene, material),
+        contacts: (0..scene.materials.len())
+            .map(|other| {
+                scene.contacts.iter().any(|c| c.between == [material.min(other), material.max(other)])
+            })
+            .collect(),
+    });
+    let partition = Partition::alone(decomposition.patches.len());
+    let mut warehouse = Warehouse::new(layout::level(scene), decomposition, partition, materials.collect());
+    warehouse.own_rates = scene.run.rates != Rates::Common;
+    for body in &scene.bodies {
+        for x in lattice::sample(scene, body) {
+            // a body that leaves the level is refused by the run; here the rest of it counts
+            let _ = warehouse.insert(body.material, x, &[]);
+        }
+    }
+    warehouse.activate();
+    warehouse
+}
