@@ -155,6 +155,10 @@ fn rigid_bodies_and_particles_that_left_are_remembered() {
         assert!(ok(finish(&mut whole)).deleted > 10, "particles must leave to test that they are counted");
         goes_on(&scene, &mut Random(4));
     }
+    let scene = scene(CLOUD, &[("run.leaving", "reflect")]);
+    let mut whole = ok(Simulation::new(scene.clone(), Isa::detect()));
+    assert!(ok(finish(&mut whole)).reflected > 10, "particles must come back to test that they are counted");
+    goes_on(&scene, &mut Random(5));
 }
 
 #[test]
@@ -529,7 +533,6 @@ fn on_ranks(ranks: usize, scene: &Scene, folder: &Path, stop: Option<u64>) -> Ve
 }
 
 #[test]
-#[ignore = "ranks do not step yet"]
 fn runs_on_other_numbers_of_ranks_go_on_with_the_same_bits() {
     for rates in ["common", "per-material"] {
         let scene = laid_out(scene(CLOUD, &[("run.rates", rates)]), ([3, 2, 2], 1));
@@ -550,7 +553,6 @@ fn runs_on_other_numbers_of_ranks_go_on_with_the_same_bits() {
 }
 
 #[test]
-#[ignore = "ranks do not step yet"]
 fn the_files_of_several_ranks_are_those_of_one() {
     let every = [("output.checkpoint.steps", "30"), ("output.frames", "4000")];
     let scene = laid_out(scene(CLOUD, &every), ([3, 2, 2], 1));
@@ -575,7 +577,6 @@ fn the_files_of_several_ranks_are_those_of_one() {
 }
 
 #[test]
-#[ignore = "ranks do not step yet"]
 fn a_signal_on_any_rank_stops_all_of_them() {
     let scene = laid_out(scene(CLOUD, &[]), ([3, 2, 2], 1));
     let folder = folder();
@@ -584,8 +585,8 @@ fn a_signal_on_any_rank_stops_all_of_them() {
         let mut recorder = ok(Recorder::create(folder.path(), &mut simulation));
         let mut next = Next::Go;
         while next == Next::Go && ok(simulation.step()) {
-            let me = simulation.network().rank() == 2;
-            next = ok(recorder.step(&mut simulation, me && simulation.steps() == 7));
+            let caught = simulation.network().rank() == 2 && simulation.steps() == 7;
+            next = ok(recorder.step(&mut simulation, caught));
         }
         ok(recorder.finish(&mut simulation, End::Interrupted)).steps
     });

@@ -1,7 +1,7 @@
 //! `sinew run --restart`: from the last whole checkpoint on.
 use super::fail::Failure;
 use super::run::Args;
-use sinew::exec::ranks::Alone;
+use sinew::exec::ranks::Network;
 use sinew::input::identity::first_difference;
 use sinew::input::scene::Scene;
 use sinew::output::checkpoint::{Reader, VERSION};
@@ -10,9 +10,14 @@ use sinew::simulation::Simulation;
 use sinew::simulation::recorder::{Recorder, last_checkpoint};
 use std::path::{Path, PathBuf};
 
-/// The run in `folder`, where its last whole checkpoint left it.
-pub fn resume(args: &Args, folder: &Path, isa: Isa) -> Result<(PathBuf, Simulation, Recorder), Failure> {
-    let mut network = Box::new(Alone);
+/// The run in `folder`, where its last whole checkpoint left it, on all ranks of `network`.
+pub fn resume(
+    args: &Args,
+    folder: &Path,
+    isa: Isa,
+    mut network: Box<dyn Network>,
+) -> Result<(PathBuf, Simulation, Recorder), Failure> {
+    let speaks = network.rank() == 0 && !args.quiet;
     let (checkpoint, found) = last_checkpoint(&mut *network, folder).map_err(Failure::usage)?;
     found.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let scene = scene(args, folder, &checkpoint)?;
@@ -21,7 +26,7 @@ pub fn resume(args: &Args, folder: &Path, isa: Isa) -> Result<(PathBuf, Simulati
     let recorder = Recorder::resume(folder, &mut simulation, &checkpoint.head, &found.damaged);
     let (recorder, warnings) = recorder.map_err(Failure::usage)?;
     warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    if !args.quiet {
+    if speaks {
         eprintln!("goes on from {}", found.path.display());
     }
     Ok((folder.to_owned(), simulation, recorder))

@@ -3,6 +3,7 @@ use super::fail::Failure;
 use super::progress::Progress;
 use super::signals::Signals;
 use super::{picture, restart, wound};
+use sinew::exec::ranks::Alone;
 use sinew::input::scene::Scene;
 use sinew::output::summary::Summary;
 use sinew::simd::Isa;
@@ -86,8 +87,8 @@ pub struct Args {
     /// Folder for the results (default: runs/NAME, or the first free of runs/NAME-2, runs/NAME-3, …)
     #[arg(long, value_name = "DIR", conflicts_with = "restart")]
     out: Option<PathBuf>,
-    /// Go on with the run in DIR from its last whole checkpoint, bit for bit, on any patches and threads; --until, --steps and
-    /// --set of output keys may change, the physics may not
+    /// Go on with the run in DIR from its last whole checkpoint, bit for bit, on any patches, threads and ranks; run.until,
+    /// run.steps and [output] may change, the physics may not
     #[arg(long, value_name = "DIR")]
     restart: Option<PathBuf>,
     /// Overwrite a run that the folder holds; with --restart: go on although another version of Sinew or another instruction
@@ -103,7 +104,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let isa = Isa::from_environment().map_err(Failure::usage)?;
     let (folder, mut simulation, mut recorder) = match &args.restart {
-        Some(folder) => restart::resume(args, folder, isa)?,
+        Some(folder) => restart::resume(args, folder, isa, Box::new(Alone))?,
         None => begin(args, isa)?,
     };
     let signals = Signals::watch().map_err(|error| Failure::Run(format!("cannot watch signals: {error}")))?;
