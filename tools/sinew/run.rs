@@ -89,8 +89,8 @@ pub struct Args {
     /// Folder for the results (default: runs/NAME, or the first free of runs/NAME-2, runs/NAME-3, …)
     #[arg(long, value_name = "DIR", conflicts_with = "restart")]
     out: Option<PathBuf>,
-    /// Go on with the run in DIR from its last whole checkpoint, bit for bit, on any patches and threads; --until, --steps and
-    /// --set of output keys may change, the physics may not
+    /// Go on with the run in DIR from its last whole checkpoint, bit for bit, on any patches, threads and ranks; run.until,
+    /// run.steps and [output] may change, the physics may not
     #[arg(long, value_name = "DIR")]
     restart: Option<PathBuf>,
     /// Overwrite a run that the folder holds; with --restart: go on although another version of Sinew or another instruction

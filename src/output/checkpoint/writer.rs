@@ -36,7 +36,7 @@ impl Writer {
     /// # Errors
     /// If the disk is full or the folder cannot be written.
     pub fn create(path: &Path, head: &Head) -> Result<Self> {
-        let aside = path.with_added_extension("part");
+        let aside = super::folder::aside(path);
         std::fs::File::create(&aside).map_err(error::io("create", &aside))?;
         space::reserve(&aside, SLACK)?;
         let wrong = error::hdf5("create", &aside);
