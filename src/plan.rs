@@ -1,11 +1,15 @@
 //! What a scene would exchange and cost, from the scene alone: no step is taken and no particle data are stored.
+use crate::data::labels::LabelId;
 use crate::data::particles::Layout;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::exec::traffic;
+use crate::graph::build::TaskGraph;
+use crate::graph::error::GraphError;
 use crate::graph::traffic::Traffic;
 use crate::grid::{Decomposition, Level, Partition};
 use crate::input::lattice;
 use crate::input::scene::{Rates, Scene};
+use crate::simulation::step_graph;
 use crate::tasks::timestep;
 
 /// A scene cut into patches, and these given to ranks as a run would.
@@ -37,6 +41,22 @@ pub fn plan(scene: &Scene, patches: [usize; 3], ranks: usize) -> Result<Plan, St
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
     let traffic = traffic::count(&warehouse, &partition);
     Ok(Plan { decomposition, partition, traffic })
+}
+
+/// The graph of a step of `scene`, with all that is to be refused in it.
+pub fn inspect(scene: &Scene, patches: usize) -> (TaskGraph, Vec<GraphError>) {
+    match step_graph(scene, patches) {
+        Ok(graph) => (graph, Vec::new()),
+        // nothing is pruned, so that all of it shows
+        Err(_) => TaskGraph::inspect(timestep::timestep(scene), LabelId::ALL, patches),
+    }
+}
+
+/// Labels that the reports of a run read.
+pub fn read_by_reports(scene: &Scene) -> Vec<LabelId> {
+    let entries = timestep::report(scene).entries;
+    let accesses = entries.iter().flat_map(|entry| entry.task.declaration().access);
+    accesses.filter(|access| access.mode.reads()).map(|access| access.label).collect()
 }
 
 fn count(homes: &[crate::data::warehouse::ParticlePatch]) -> u64 {

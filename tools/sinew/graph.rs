@@ -2,10 +2,11 @@
 use super::fail::Failure;
 use super::run::SceneArgs;
 use sinew::graph::build::TaskGraph;
+use sinew::graph::check::hazards;
 use sinew::graph::diagram::Diagram;
 use sinew::graph::export::Cycle;
 use sinew::graph::measured::Measured;
-use sinew::grid::Decomposition;
+use sinew::grid::{BLOCK, Decomposition, Patch};
 use sinew::input::scene::Scene;
 use sinew::output::trace;
 use sinew::plan::{self, Plan};
@@ -72,6 +73,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(what) = &args.why {
         return why(&scene, &graph, what);
     }
+    if args.check {
+        return check(&scene, patches, &decomposition);
+    }
     outside("patch", args.patch, patches)?;
     outside("rank", args.rank, args.ranks)?;
     let measured = args.trace.as_deref().map(trace::read).transpose()?;
@@ -133,6 +137,25 @@ fn diagram<'a>(
         diagram.keep(|item| item.rank == Some(rank) || item.to_rank == Some(rank));
     }
     diagram
+}
+
+/// Answers `--check`.
+fn check(scene: &Scene, patches: usize, decomposition: &Decomposition) -> Result<(), Failure> {
+    let (graph, refusals) = plan::inspect(scene, patches);
+    let across = |patch: &Patch| patch.blocks.size().map(|blocks| blocks * BLOCK as usize);
+    let narrowest = decomposition.patches.iter().flat_map(across).min().unwrap_or(0);
+    let hazards = hazards(&graph, narrowest, &plan::read_by_reports(scene));
+    refusals.iter().for_each(|refusal| println!("refused: {refusal}"));
+    hazards.iter().for_each(|hazard| println!("{hazard}"));
+    let tasks = graph.graph.node_count();
+    match refusals.len() + hazards.len() {
+        0 => {
+            println!("{tasks} tasks on {patches} patches: no race, no undeclared halo, no idle label");
+            Ok(())
+        }
+        1 => Err(Failure::Run("one finding".to_owned())),
+        many => Err(Failure::Run(format!("{many} findings"))),
+    }
 }
 
 /// Answers `--why`.

@@ -195,7 +195,7 @@ impl Builder<'_> {
             (_, material) => format!("particles of {}", self.diagram.material(material)),
         };
         if let (Some(_), Some(material)) = (cycle.most, stage.material) {
-            title += if stage.when == When::Begin { ", as its step begins" } else { ", as its step ends" };
+            title += if stage.when == When::Begin { "\nas its step begins" } else { "\nas its step ends" };
             let ticks = cycle.own[material].ticks;
             if ticks > 1 {
                 title += &format!(" (about every {ticks} ticks)");

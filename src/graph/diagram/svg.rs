@@ -56,13 +56,11 @@ markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0
         {
             let (_, line) = color(self.items[group.items[0]].material);
             let _ = writeln!(out, "<rect class=\"stage\" {} rx=\"6\" stroke=\"{line}\"/>", attributes(rect));
-            let _ = writeln!(
-                out,
-                "<text class=\"small\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                rect.x + 8.0,
-                rect.y + 15.0,
-                escape(&group.title)
-            );
+            for (number, line) in group.title.lines().enumerate() {
+                let (x, y) = (rect.x + 8.0, rect.y + 15.0 + 12.0 * number as f64);
+                let _ =
+                    writeln!(out, "<text class=\"small\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escape(line));
+            }
         }
         layout.routes.iter().for_each(|route| self.draw_route(route, prefix, &mut out));
         (0..self.items.len()).for_each(|at| self.draw_item(at, &layout, prefix, &mut out));
