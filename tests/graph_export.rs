@@ -166,8 +166,10 @@ fn brute(shown: &Shown, part: impl Fn(usize) -> usize) -> Counted {
 
 #[test]
 fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
-    for name in ["slab-quick", "two-spheres", "sliding-block"] {
-        let shown = shown(name, &[], [2, 1, 2], 3);
+    for (name, patches) in
+        [("slab-quick", [2, 1, 2]), ("two-spheres", [2, 1, 2]), ("sliding-block", [4, 1, 1])]
+    {
+        let shown = shown(name, &[], patches, 3);
         let traffic = &shown.plan.traffic;
         let named = |table: &BTreeMap<(usize, usize), sinew::graph::traffic::Lines>| -> Counted {
             let lines = |lines: &sinew::graph::traffic::Lines| {
@@ -366,7 +368,7 @@ fn a_part_of_an_expanded_graph_is_a_patch_with_what_is_beside_it() {
 
 #[test]
 fn what_nobody_can_look_at_is_not_drawn() {
-    let shown = shown("slab-quick", &[], [6, 11, 6], 2);
+    let shown = shown("slab-quick", &[("domain.cell", "0.5 mm")], [12, 22, 12], 2);
     let diagram = shown.diagram(true);
     assert!(diagram.items.len() > MOST_DRAWN);
     let error = diagram.to_svg().expect_err("too large");

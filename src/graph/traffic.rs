@@ -1,4 +1,5 @@
 //! What patches and ranks send each other in a tick, as plain numbers from who has the data.
+use super::exchange;
 use super::fuse::Phase;
 use crate::data::label::Home;
 use crate::data::labels::LabelId;
@@ -92,11 +93,15 @@ impl Traffic {
         lines.filter(|&(patch, rank, _)| self.rank_of[patch] != rank)
     }
 
-    /// One message for each pair of ranks between which something of `labels` travels.
-    pub fn halo(&self, labels: &[LabelId]) -> BTreeMap<(usize, usize), Messages> {
+    /// The halos of a phase: one message for each pair of ranks between which something travels.
+    pub fn halo(&self, phase: &Phase) -> BTreeMap<(usize, usize), Messages> {
+        let needs = exchange::needs(phase);
         let mut pairs = BTreeMap::new();
         for (patch, to, lines) in self.traveling() {
-            let bytes = LINE * select(lines, labels, None);
+            let needed = |&(&(label, m), _): &(&(LabelId, usize), &u64)| {
+                needs.contains(&(label, None)) || needs.contains(&(label, Some(m)))
+            };
+            let bytes = LINE * lines.iter().filter(needed).map(|(_, lines)| lines).sum::<u64>();
             if bytes > 0 {
                 let messages: &mut Messages = pairs.entry((self.rank_of[patch], to)).or_default();
                 (messages.count, messages.bytes) = (1, messages.bytes + bytes);
@@ -134,7 +139,7 @@ impl Traffic {
         let mut causes = Vec::new();
         for phase in phases {
             if !phase.halos.is_empty() {
-                causes.push((names(&phase.halos), self.halo(&phase.halos)));
+                causes.push((names(&phase.halos), self.halo(phase)));
             }
             if !phase.reductions.is_empty() {
                 causes.push((

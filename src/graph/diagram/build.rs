@@ -127,7 +127,7 @@ impl Builder<'_> {
     fn exchange(&mut self, kind: Kind, labels: &[LabelId]) {
         let traffic = self.diagram.traffic;
         let (word, pairs) = match kind {
-            Kind::Halo(_) => ("Halo", traffic.halo(labels)),
+            Kind::Halo(phase) => ("Halo", traffic.halo(&self.diagram.graph.phases[phase])),
             Kind::Relocation => ("Relocate", traffic.relocation()),
             _ => ("Reduce", traffic.reduce(labels)),
         };

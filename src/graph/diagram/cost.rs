@@ -83,7 +83,7 @@ impl Diagram<'_> {
     /// The estimated time of the messages that an item stands for: those of the rank that receives most.
     fn exchange(&self, item: &Item) -> f64 {
         let pairs = match item.kind {
-            Kind::Halo(_) => self.traffic.halo(&item.labels),
+            Kind::Halo(phase) => self.traffic.halo(&self.graph.phases[phase]),
             Kind::Reduction(_) => self.traffic.reduce(&item.labels),
             _ => self.traffic.relocation(),
         };
