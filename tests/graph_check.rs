@@ -90,8 +90,9 @@ fn an_edge_that_is_missing_is_a_race() {
         second: "Accelerate[wood]".into(),
         label: LabelId::Velocity,
     };
-    assert_eq!(hazards(&graph, 4, &[]), [race.clone()]);
-    assert!(race.to_string().contains("LookBack[wood]") && race.to_string().contains("Velocity"));
+    let words = race.to_string();
+    assert_eq!(hazards(&graph, 4, &[]), [race]);
+    assert!(words.contains("LookBack[wood]") && words.contains("Velocity"), "{words}");
 }
 
 #[test]

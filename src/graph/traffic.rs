@@ -36,6 +36,9 @@ pub struct Traffic {
     pub reduction: Vec<(usize, usize)>,
 }
 
+/// Messages by sender and receiver.
+pub type Pairs = BTreeMap<(usize, usize), Messages>;
+
 /// Messages from one rank to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Messages {
@@ -94,7 +97,7 @@ impl Traffic {
     }
 
     /// The halos of a phase: one message for each pair of ranks between which something travels.
-    pub fn halo(&self, phase: &Phase) -> BTreeMap<(usize, usize), Messages> {
+    pub fn halo(&self, phase: &Phase) -> Pairs {
         let needs = exchange::needs(phase);
         let mut pairs = BTreeMap::new();
         for (patch, to, lines) in self.traveling() {
@@ -111,9 +114,9 @@ impl Traffic {
     }
 
     /// Messages of a reduction of `labels`, by pair of ranks.
-    pub fn reduce(&self, labels: &[LabelId]) -> BTreeMap<(usize, usize), Messages> {
+    pub fn reduce(&self, labels: &[LabelId]) -> Pairs {
         let bytes = self.reduced_bytes(labels);
-        let mut pairs: BTreeMap<_, Messages> = BTreeMap::new();
+        let mut pairs: Pairs = BTreeMap::new();
         self.reduction.iter().for_each(|&pair| pairs.entry(pair).or_default().add(1, bytes));
         pairs
     }
@@ -126,16 +129,12 @@ impl Traffic {
     }
 
     /// One message to each neighbor, with a line that says how many particles follow.
-    pub fn relocation(&self) -> BTreeMap<(usize, usize), Messages> {
+    pub fn relocation(&self) -> Pairs {
         self.neighbors.iter().map(|&pair| (pair, Messages { count: 1, bytes: LINE })).collect()
     }
 
     /// Messages of a tick by what they are about: halos by their phase, then all reductions, then relocation.
-    pub fn by_cause(
-        &self,
-        phases: &[Phase],
-        at_end: &[LabelId],
-    ) -> Vec<(String, BTreeMap<(usize, usize), Messages>)> {
+    pub fn by_cause(&self, phases: &[Phase], at_end: &[LabelId]) -> Vec<(String, Pairs)> {
         let mut causes = Vec::new();
         for phase in phases {
             if !phase.halos.is_empty() {

@@ -39,7 +39,7 @@ pub struct Args {
     /// Output form
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Ranks that share the patches (default patches: one a rank; a run cuts eight a thread)
+    /// Ranks that share the patches (default: eight patches a rank, as a run with one thread each)
     #[arg(long, value_name = "N", default_value_t = 1)]
     ranks: usize,
     /// One node a task and patch, instead of one a task
@@ -62,14 +62,18 @@ pub struct Args {
     trace: Option<PathBuf>,
 }
 
+/// Patches a rank, if nobody says how many.
+const PATCHES: usize = 8;
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = args.scene.read()?;
     let level = plan::level(&scene);
-    let counts = scene.run.patches.unwrap_or_else(|| Decomposition::automatic(&level, args.ranks));
+    let wanted = if args.ranks > 1 { PATCHES * args.ranks } else { 1 };
+    let counts = scene.run.patches.unwrap_or_else(|| Decomposition::automatic(&level, wanted));
     let decomposition = Decomposition::new(&level, counts).map_err(Failure::usage)?;
     let patches = decomposition.patches.len();
-    let graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
+    let mut graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
     if let Some(what) = &args.why {
         return why(&scene, &graph, what);
     }
@@ -78,8 +82,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     outside("patch", args.patch, patches)?;
     outside("rank", args.rank, args.ranks)?;
-    let measured = args.trace.as_deref().map(trace::read).transpose()?;
+    let measured = args.trace.as_deref().map(trace::read).transpose().map_err(Failure::usage)?;
     let plan = plan::plan(&scene, counts, args.ranks).map_err(Failure::usage)?;
+    if args.format == Format::Html {
+        // the page is for people: they want the line
+        for entry in graph.recipe.entries.iter_mut().filter(|entry| !entry.because.is_empty()) {
+            entry.because = because(&scene, &entry.because);
+        }
+    }
     show(args, &scene, &graph, &plan, measured.as_ref())
 }
 
@@ -150,7 +160,8 @@ fn check(scene: &Scene, patches: usize, decomposition: &Decomposition) -> Result
     let tasks = graph.graph.node_count();
     match refusals.len() + hazards.len() {
         0 => {
-            println!("{tasks} tasks on {patches} patches: no race, no undeclared halo, no idle label");
+            let word = if patches == 1 { "patch" } else { "patches" };
+            println!("{tasks} tasks on {patches} {word}: no race, no undeclared halo, no idle label");
             Ok(())
         }
         1 => Err(Failure::Run("one finding".to_owned())),
@@ -176,13 +187,16 @@ fn why(scene: &Scene, graph: &TaskGraph, what: &str) -> Result<(), Failure> {
 
 /// The lines of the scene behind the tasks of a name.
 fn tasks(scene: &Scene, graph: &TaskGraph, name: &str) -> Vec<String> {
-    let line = |(name, key): (String, String)| {
-        let line = scene.lines.iter().find(|(k, _)| !key.is_empty() && k.starts_with(&key));
-        match (key.as_str(), line) {
-            ("", _) => format!("{name}: every explicit step has it"),
-            (_, Some((key, line))) => format!("{name}: {key}, line {line} of the scene"),
-            (key, None) => format!("{name}: {key}, by default or by --set"),
-        }
-    };
+    let line = |(name, key): (String, String)| format!("{name}: {}", because(scene, &key));
     graph.why(name).into_iter().map(line).collect()
+}
+
+/// The line of the scene that begins with a dotted key.
+fn because(scene: &Scene, key: &str) -> String {
+    let line = scene.lines.iter().find(|(k, _)| !key.is_empty() && k.starts_with(key));
+    match (key, line) {
+        ("", _) => "every explicit step has it".to_owned(),
+        (_, Some((key, line))) => format!("{key}, line {line} of the scene"),
+        (key, None) => format!("{key}, by default or by --set"),
+    }
 }
