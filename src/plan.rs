@@ -8,7 +8,9 @@ use crate::graph::error::GraphError;
 use crate::graph::traffic::Traffic;
 use crate::grid::{Decomposition, Level, Partition};
 use crate::input::lattice;
-use crate::input::scene::{Rates, Scene};
+use crate::input::scene::{Behavior, Material, Rates, Scene};
+use crate::physics::law::Law;
+use crate::physics::materials::WithLaw;
 use crate::simulation::step_graph;
 use crate::tasks::timestep;
 
@@ -39,7 +41,12 @@ pub fn plan(scene: &Scene, patches: [usize; 3], ranks: usize) -> Result<Plan, St
     let warehouse = outline(scene, decomposition.clone());
     let costs: Vec<u64> = warehouse.particles.iter().map(|homes| count(homes)).collect();
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
-    let traffic = traffic::count(&warehouse, &partition);
+    let mut traffic = traffic::count(&warehouse, &partition);
+    let history = |m: &Material| match &m.behavior {
+        Behavior::Deformable(law) => law.visit(HistoryOf),
+        Behavior::Rigid(_) => 0,
+    };
+    traffic.history = scene.materials.iter().map(history).collect();
     Ok(Plan { decomposition, partition, traffic })
 }
 
@@ -57,6 +64,16 @@ pub fn read_by_reports(scene: &Scene) -> Vec<LabelId> {
     let entries = timestep::report(scene).entries;
     let accesses = entries.iter().flat_map(|entry| entry.task.declaration().access);
     accesses.filter(|access| access.mode.reads()).map(|access| access.label).collect()
+}
+
+/// How many numbers a law keeps.
+struct HistoryOf;
+
+impl WithLaw for HistoryOf {
+    type Output = u64;
+    fn with<L: Law>(self, _law: L) -> u64 {
+        L::HISTORY.len() as u64
+    }
 }
 
 fn count(homes: &[crate::data::warehouse::ParticlePatch]) -> u64 {

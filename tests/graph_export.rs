@@ -104,8 +104,11 @@ fn the_page_is_well_formed_whatever_names_are_in_it_and_needs_no_network() {
     assert_eq!(outside, 0);
 }
 
+/// By material and block: the lowest and highest base node on each axis.
+type Blocks = BTreeMap<(usize, [i32; 3]), ([i32; 3], [i32; 3])>;
+
 /// Blocks of a scene from its particles alone: material and block, with the lowest and highest base node on each axis.
-fn blocks(scene: &Scene, level: &Level) -> BTreeMap<(usize, [i32; 3]), ([i32; 3], [i32; 3])> {
+fn blocks(scene: &Scene, level: &Level) -> Blocks {
     let mut blocks = BTreeMap::new();
     for body in &scene.bodies {
         let half = timestep::half_size(scene, body.material);

@@ -179,6 +179,19 @@ impl<T: Body> Job for RunChunk<'_, '_, T> {
 ///     }
 /// }
 /// ```
+/// Only chunk labels are memory to work in:
+/// ```compile_fail,E0080
+/// use sinew::{data::labels::*, graph::task::{At, Body}, simd::Simd};
+/// struct Spoil;
+/// sinew::task! { Particles task Spoil {
+///     computes { volume: Volume }
+///     scratch { mass: Mass }
+/// }}
+/// impl Body for Spoil {
+///     fn run<S: Simd>(&self, _at: &At<'_>, _io: Io<'_>) {}
+/// }
+/// fn main() { assert_eq!(<Spoil as sinew::graph::task::Task>::ACCESS.len(), 2); }
+/// ```
 #[macro_export]
 macro_rules! task {
     ($(#[$doc:meta])* $domain:ident task $name:ident $([$kind:ident: $bound:path])? {

@@ -24,6 +24,8 @@ pub struct Traffic {
     pub near: Vec<Vec<u64>>,
     /// Blocks with particles: `[patch][material]`.
     pub blocks: Vec<Vec<u64>>,
+    /// Numbers that the history of a particle of each material has.
+    pub history: Vec<u64>,
     /// Nodes: `[patch][material]`.
     pub nodes: Vec<Vec<u64>>,
     /// From patch to patch, and from a patch to itself.
@@ -60,7 +62,24 @@ impl Traffic {
     pub fn none(materials: usize) -> Self {
         let zeros = || vec![vec![0; materials]];
         let (particles, near, blocks, nodes) = (zeros(), zeros(), zeros(), zeros());
-        Self { ranks: 1, rank_of: vec![0], particles, near, blocks, nodes, ..Self::default() }
+        Self {
+            ranks: 1,
+            rank_of: vec![0],
+            particles,
+            near,
+            blocks,
+            nodes,
+            history: vec![0; materials],
+            ..Self::default()
+        }
+    }
+
+    /// Lines that eight particles of a material, or one of whatever else has the label, take.
+    pub fn width(&self, label: LabelId, material: usize) -> u64 {
+        match label {
+            LabelId::History => self.history[material],
+            label => label.width() as u64,
+        }
     }
 
     /// Number of patches.

@@ -163,7 +163,7 @@ impl Builder<'_> {
             Home::Block => sum(&traffic.blocks),
             Home::Material | Home::Global => 1,
         };
-        LINE * lines * edge.label.width() as u64
+        LINE * lines * traffic.width(edge.label, edge.material)
     }
 
     fn link(&mut self, from: usize, to: Option<usize>, edge: &Edge, bytes: u64) {
