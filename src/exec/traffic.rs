@@ -27,6 +27,11 @@ pub fn count(warehouse: &Warehouse, partition: &Partition) -> Traffic {
         particles: by_material(&|block| block.count),
         near: by_material(&|block| if block.near { block.count } else { 0 }),
         blocks: by_material(&|_| 1),
+        history: warehouse
+            .materials
+            .iter()
+            .map(|m| m.layout.widths[LabelId::History as usize] as u64)
+            .collect(),
         nodes: nodes(warehouse),
         between: between(warehouse, |patch| patch),
         to_rank: between(warehouse, |patch| rank_of[patch]),

@@ -1,4 +1,5 @@
 //! What patches and ranks send each other in a tick, as plain numbers from who has the data.
+use super::exchange;
 use super::fuse::Phase;
 use crate::data::label::Home;
 use crate::data::labels::LabelId;
@@ -23,6 +24,8 @@ pub struct Traffic {
     pub near: Vec<Vec<u64>>,
     /// Blocks with particles: `[patch][material]`.
     pub blocks: Vec<Vec<u64>>,
+    /// Numbers that the history of a particle of each material has.
+    pub history: Vec<u64>,
     /// Nodes: `[patch][material]`.
     pub nodes: Vec<Vec<u64>>,
     /// From patch to patch, and from a patch to itself.
@@ -34,6 +37,9 @@ pub struct Traffic {
     /// Messages of one reduction, from rank to rank.
     pub reduction: Vec<(usize, usize)>,
 }
+
+/// Messages by sender and receiver.
+pub type Pairs = BTreeMap<(usize, usize), Messages>;
 
 /// Messages from one rank to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,7 +62,24 @@ impl Traffic {
     pub fn none(materials: usize) -> Self {
         let zeros = || vec![vec![0; materials]];
         let (particles, near, blocks, nodes) = (zeros(), zeros(), zeros(), zeros());
-        Self { ranks: 1, rank_of: vec![0], particles, near, blocks, nodes, ..Self::default() }
+        Self {
+            ranks: 1,
+            rank_of: vec![0],
+            particles,
+            near,
+            blocks,
+            nodes,
+            history: vec![0; materials],
+            ..Self::default()
+        }
+    }
+
+    /// Lines that eight particles of a material, or one of whatever else has the label, take.
+    pub fn width(&self, label: LabelId, material: usize) -> u64 {
+        match label {
+            LabelId::History => self.history[material],
+            label => label.width() as u64,
+        }
     }
 
     /// Number of patches.
@@ -92,11 +115,15 @@ impl Traffic {
         lines.filter(|&(patch, rank, _)| self.rank_of[patch] != rank)
     }
 
-    /// One message for each pair of ranks between which something of `labels` travels.
-    pub fn halo(&self, labels: &[LabelId]) -> BTreeMap<(usize, usize), Messages> {
+    /// The halos of a phase: one message for each pair of ranks between which something travels.
+    pub fn halo(&self, phase: &Phase) -> Pairs {
+        let needs = exchange::needs(phase);
         let mut pairs = BTreeMap::new();
         for (patch, to, lines) in self.traveling() {
-            let bytes = LINE * select(lines, labels, None);
+            let needed = |&(&(label, m), _): &(&(LabelId, usize), &u64)| {
+                needs.contains(&(label, None)) || needs.contains(&(label, Some(m)))
+            };
+            let bytes = LINE * lines.iter().filter(needed).map(|(_, lines)| lines).sum::<u64>();
             if bytes > 0 {
                 let messages: &mut Messages = pairs.entry((self.rank_of[patch], to)).or_default();
                 (messages.count, messages.bytes) = (1, messages.bytes + bytes);
@@ -106,9 +133,9 @@ impl Traffic {
     }
 
     /// Messages of a reduction of `labels`, by pair of ranks.
-    pub fn reduce(&self, labels: &[LabelId]) -> BTreeMap<(usize, usize), Messages> {
+    pub fn reduce(&self, labels: &[LabelId]) -> Pairs {
         let bytes = self.reduced_bytes(labels);
-        let mut pairs: BTreeMap<_, Messages> = BTreeMap::new();
+        let mut pairs: Pairs = BTreeMap::new();
         self.reduction.iter().for_each(|&pair| pairs.entry(pair).or_default().add(1, bytes));
         pairs
     }
@@ -121,20 +148,16 @@ impl Traffic {
     }
 
     /// One message to each neighbor, with a line that says how many particles follow.
-    pub fn relocation(&self) -> BTreeMap<(usize, usize), Messages> {
+    pub fn relocation(&self) -> Pairs {
         self.neighbors.iter().map(|&pair| (pair, Messages { count: 1, bytes: LINE })).collect()
     }
 
     /// Messages of a tick by what they are about: halos by their phase, then all reductions, then relocation.
-    pub fn by_cause(
-        &self,
-        phases: &[Phase],
-        at_end: &[LabelId],
-    ) -> Vec<(String, BTreeMap<(usize, usize), Messages>)> {
+    pub fn by_cause(&self, phases: &[Phase], at_end: &[LabelId]) -> Vec<(String, Pairs)> {
         let mut causes = Vec::new();
         for phase in phases {
             if !phase.halos.is_empty() {
-                causes.push((names(&phase.halos), self.halo(&phase.halos)));
+                causes.push((names(&phase.halos), self.halo(phase)));
             }
             if !phase.reductions.is_empty() {
                 causes.push((
