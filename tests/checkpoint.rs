@@ -92,60 +92,7 @@ fn so_does_one_with_rates_of_their_own() {
 }
 
 /// Two bodies that fly apart so fast that particles leave the domain, and a free rigid one.
-const CLOUD: &str = r#"
-[domain]
-lower = [-8, -8, -8]
-upper = [8, 8, 8]
-cell = 0.8
-[material.a]
-law = "neo-hookean"
-density = 1000
-bulk-modulus = "1 MPa"
-shear-modulus = "1 MPa"
-[material.b]
-law = "neo-hookean"
-density = 2000
-bulk-modulus = "2 MPa"
-shear-modulus = "1 MPa"
-[material.tool]
-law = "rigid"
-motion = "free"
-density = 5000
-angular-velocity = [1, 2, 3]
-[[body]]
-name = "a"
-material = "a"
-shape = { sphere = { center = [-2.4, -2.4, -2.4], radius = 2 } }
-velocity = [170, -130, 90]
-[[body]]
-name = "b"
-material = "b"
-particles-per-cell = [3, 2, 1]
-shape = { sphere = { center = [2, 2, 2], radius = 2.2 } }
-velocity = [-5, -5, -5]
-[[body]]
-name = "tool"
-material = "tool"
-shape = { sphere = { center = [3, -3, -2], radius = 1.6 } }
-velocity = [-6, 6, 5]
-[[contact]]
-between = ["a", "b"]
-law = "friction"
-friction = 0.3
-[[contact]]
-between = ["a", "tool"]
-law = "friction"
-friction = 0.3
-[boundary]
-x-min = "fixed"
-[load]
-gravity = [0, 0, -9.81]
-[run]
-until = 1
-steps = 90
-viscosity = {}
-leaving = "delete"
-"#;
+const CLOUD: &str = include_str!("scenes/cloud.toml");
 
 #[test]
 fn rigid_bodies_and_particles_that_left_are_remembered() {
