@@ -29,8 +29,10 @@ use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
 use crate::grid::Partition;
 use crate::input::scene::{Behavior, Leaving, Rates, Scene};
+use crate::output;
 use crate::simd::Isa;
 use crate::tasks::timestep;
+use std::path::Path;
 
 /// Labels that runs want besides what the next step reads.
 const WANTED: &[LabelId] = &[
@@ -174,6 +176,7 @@ impl Simulation {
 
     /// The part of a step that the fastest material takes at once.
     fn tick(&mut self) -> Result<(), RunError> {
+        self.engine.trace().set_step(self.steps);
         let reflect = self.scene.run.leaving == Leaving::Reflect;
         let Self { engine, graph, warehouse, network, .. } = self;
         engine.run(graph, warehouse, &mut **network)?;
@@ -246,6 +249,21 @@ impl Simulation {
     /// The ranks of the run.
     pub fn network(&mut self) -> &mut dyn Network {
         &mut *self.network
+    }
+
+    /// Records from now on what each worker does, at most `bound` events a worker.
+    pub fn set_trace(&mut self, bound: usize) {
+        self.engine.set_trace(bound);
+    }
+
+    /// Writes what was recorded on all ranks, from rank 0.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or a rank that is gone.
+    pub fn write_trace(&mut self, path: &Path) -> output::Result<()> {
+        let Self { engine, graph, network, .. } = self;
+        let written = output::trace::write(path, graph, engine.trace(), &mut **network);
+        together::agree(&mut **network, written)
     }
 
     /// Instruction set that runs.

@@ -6,6 +6,7 @@ mod fail;
 mod graph;
 mod picture;
 mod progress;
+mod ranks;
 mod restart;
 mod run;
 mod scene_docs;

@@ -1,6 +1,8 @@
 //! Progress of a run: a bar on a terminal, plain lines elsewhere.
+use super::fail::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
-use sinew::simulation::Simulation;
+use sinew::exec::ranks::collective;
+use sinew::simulation::{RunError, Simulation};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
@@ -18,11 +20,21 @@ pub struct Progress {
     until: f64,
     /// The part that was done, and the particles moved, before it began.
     before: (f64, u64),
+    /// The part of all particles that is on this rank.
+    share: f64,
 }
 
 impl Progress {
     /// Announces the run.
-    pub fn begin(title: &str, simulation: &Simulation, quiet: bool) -> Self {
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn begin(title: &str, simulation: &mut Simulation, quiet: bool) -> Result<Self, Failure> {
+        let mine = simulation.warehouse.particle_count();
+        let mut count = [mine as u64];
+        let ranks = simulation.network().size();
+        collective::sum(simulation.network(), &mut count).map_err(RunError::from)?;
+        let quiet = quiet || simulation.network().rank() > 0;
         let terminal = std::io::stderr().is_terminal();
         let bar = (terminal && !quiet).then(|| {
             let bar = ProgressBar::new(TICKS);
@@ -35,8 +47,9 @@ impl Progress {
             let [a, b, c] = simulation.warehouse.decomposition.counts;
             eprintln!("{title}");
             eprintln!(
-                "{} particles, {a}x{b}x{c} patches, {} threads, {}",
-                simulation.warehouse.particle_count(),
+                "{} particles, {a}x{b}x{c} patches, {}{} threads, {}",
+                count[0],
+                if ranks > 1 { format!("{ranks} ranks of ") } else { String::new() },
                 simulation.threads(),
                 simulation.isa().name()
             );
@@ -44,7 +57,8 @@ impl Progress {
         let now = Instant::now();
         let until = simulation.scene.run.until;
         let before = (fraction(simulation, until), simulation.updates());
-        Self { bar, quiet, began: now, shown: now, next_line: before.0 + 0.05, until, before }
+        let share = mine as f64 / count[0].max(1) as f64;
+        Ok(Self { bar, quiet, began: now, shown: now, next_line: before.0 + 0.05, until, before, share })
     }
 
     /// Counts to a time before the end of the run [s].
@@ -75,7 +89,7 @@ impl Progress {
             simulation.steps(),
             1e3 * clock.time,
             1e9 * clock.step,
-            (simulation.updates() - self.before.1) as f64 / spent / 1e6,
+            (simulation.updates() - self.before.1) as f64 / self.share / spent / 1e6,
             duration(left)
         );
         match &self.bar {

@@ -1,5 +1,6 @@
 //! `sinew run --restart`: from the last whole checkpoint on.
 use super::fail::Failure;
+use super::ranks;
 use super::run::Args;
 use sinew::exec::ranks::Network;
 use sinew::input::identity::first_difference;
@@ -10,23 +11,29 @@ use sinew::simulation::Simulation;
 use sinew::simulation::recorder::{Recorder, last_checkpoint};
 use std::path::{Path, PathBuf};
 
-/// The run in `folder`, where its last whole checkpoint left it, on all ranks of `network`.
+/// The run in `folder`, where its last whole checkpoint left it.
 pub fn resume(
     args: &Args,
     folder: &Path,
     isa: Isa,
     mut network: Box<dyn Network>,
+    here: usize,
 ) -> Result<(PathBuf, Simulation, Recorder), Failure> {
-    let speaks = network.rank() == 0 && !args.quiet;
-    let (checkpoint, found) = last_checkpoint(&mut *network, folder).map_err(Failure::usage)?;
-    found.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    let scene = scene(args, folder, &checkpoint)?;
-    same(&checkpoint, &scene, isa, args.force)?;
+    let first = network.rank() == 0;
+    let warn =
+        |warnings: &[String]| warnings.iter().filter(|_| first).for_each(|w| eprintln!("warning: {w}"));
+    let last = last_checkpoint(&mut *network, folder).map_err(Failure::usage);
+    let (checkpoint, found) = ranks::agree(&mut *network, last)?;
+    warn(&found.warnings);
+    let scene = scene(args, folder, &checkpoint)
+        .and_then(|scene| same(&checkpoint, &scene, isa, args.force).map(|()| scene));
+    let mut scene = ranks::agree(&mut *network, scene)?;
+    ranks::share_cores(&mut scene, here, &*network);
     let mut simulation = Simulation::restore(network, scene, isa, &checkpoint)?;
     let recorder = Recorder::resume(folder, &mut simulation, &checkpoint.head, &found.damaged);
     let (recorder, warnings) = recorder.map_err(Failure::usage)?;
-    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    if speaks {
+    warn(&warnings);
+    if first && !args.quiet {
         eprintln!("goes on from {}", found.path.display());
     }
     Ok((folder.to_owned(), simulation, recorder))

@@ -2,13 +2,14 @@
 use super::fail::Failure;
 use super::progress::Progress;
 use super::signals::Signals;
-use super::{picture, restart, wound};
-use sinew::exec::ranks::Alone;
+use super::{picture, ranks, restart, wound};
+use sinew::exec::ranks::Network;
+use sinew::exec::trace;
 use sinew::input::scene::Scene;
 use sinew::output::summary::Summary;
 use sinew::simd::Isa;
-use sinew::simulation::Simulation;
 use sinew::simulation::recorder::{End, Next, Recorder, holds_run};
+use sinew::simulation::{RunError, Simulation};
 use std::path::{Path, PathBuf};
 
 /// Which scene, with what changed.
@@ -75,8 +76,9 @@ pub fn overrides(set: &[String]) -> Result<Vec<(String, String)>, Failure> {
 
 /// Run a scene and leave a folder with summary, history, particle file, checkpoints and pictures
 ///
-/// SIGINT (Ctrl-C) and SIGTERM end a run after the step it is in, with a checkpoint; a second one ends it at once. The
-/// exit status is then 130 or 143.
+/// SIGINT (Ctrl-C), SIGTERM and SIGUSR1 end a run after the step it is in, with a checkpoint; a second one ends it at once.
+/// The exit status is then 130, 143 or 138. mpirun leaves ranks a second after SIGINT and SIGTERM, but passes SIGUSR1 on and
+/// waits.
 #[derive(clap::Args)]
 pub struct Args {
     /// Folder with a scene.toml, or a .toml file
@@ -95,6 +97,10 @@ pub struct Args {
     /// set wrote the checkpoint, with other bits
     #[arg(long)]
     pub force: bool,
+    /// Write trace.json: what each thread of each rank does and waits for, for Perfetto (ui.perfetto.dev) and for
+    /// sinew graph --trace
+    #[arg(long)]
+    trace: bool,
     /// No progress on the screen
     #[arg(long, short)]
     pub quiet: bool,
@@ -103,17 +109,28 @@ pub struct Args {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let isa = Isa::from_environment().map_err(Failure::usage)?;
+    let (network, here) = ranks::connect()?;
+    let first = network.rank() == 0;
     let (folder, mut simulation, mut recorder) = match &args.restart {
-        Some(folder) => restart::resume(args, folder, isa, Box::new(Alone))?,
-        None => begin(args, isa)?,
+        Some(folder) => restart::resume(args, folder, isa, network, here)?,
+        None => begin(args, isa, network, here)?,
     };
-    let signals = Signals::watch().map_err(|error| Failure::Run(format!("cannot watch signals: {error}")))?;
+    let signals =
+        Signals::watch().map_err(|error| Failure::Local(format!("cannot watch signals: {error}")))?;
     let title = format!("{} ({})", simulation.scene.title, simulation.scene.name);
-    let mut progress = Progress::begin(&title, &simulation, args.quiet);
-    let end = march(&mut simulation, &mut recorder, &mut progress, &signals).unwrap_or_else(End::Failed);
+    let mut progress = Progress::begin(&title, &mut simulation, args.quiet)?;
+    if args.trace {
+        simulation.set_trace(trace::BOUND);
+    }
+    let end = march(&mut simulation, &mut recorder, &mut progress, &signals)?;
     progress.end();
+    if args.trace {
+        simulation.write_trace(&folder.join("trace.json"))?;
+    }
     let summary = recorder.finish(&mut simulation, end.clone())?;
-    print_summary(&summary, &folder);
+    if first {
+        print_summary(&summary, &folder);
+    }
     match end {
         End::Failed(error) => return Err(Failure::Run(error)),
         End::Interrupted => {
@@ -126,11 +143,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
         End::Completed => {}
     }
-    if simulation.scene.output.frames > 0 {
-        if simulation.scene.output.wound.is_some() {
-            wound::print(&folder)?;
+    let shown = if first { show(&simulation.scene, &folder) } else { Ok(()) };
+    simulation.network().part(None);
+    shown
+}
+
+/// Wound table and pictures, if the scene has them.
+fn show(scene: &Scene, folder: &Path) -> Result<(), Failure> {
+    if scene.output.frames > 0 {
+        if scene.output.wound.is_some() {
+            wound::print(folder)?;
         }
-        for picture in picture::draw(&folder, None)? {
+        for picture in picture::draw(folder, None)? {
             println!("picture        {}", picture.display());
         }
     }
@@ -138,32 +162,48 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// A run from the first step on.
-fn begin(args: &Args, isa: Isa) -> Result<(PathBuf, Simulation, Recorder), Failure> {
+fn begin(
+    args: &Args,
+    isa: Isa,
+    mut network: Box<dyn Network>,
+    here: usize,
+) -> Result<(PathBuf, Simulation, Recorder), Failure> {
     let path = args.scene.as_deref().unwrap_or(Path::new("."));
-    let scene = sinew::input::read(path, &args.changes.overrides()?)?;
-    let folder = args.out.clone().unwrap_or_else(|| default_folder(&scene.name, args.force));
-    claim(&folder, args.force)?;
-    let mut simulation = Simulation::new(scene, isa)?;
+    let scene = args.changes.overrides().and_then(|overrides| Ok(sinew::input::read(path, &overrides)?));
+    let mut scene = ranks::agree(&mut *network, scene)?;
+    ranks::share_cores(&mut scene, here, &*network);
+    let folder = ranks::from_first(&mut *network, || {
+        let folder = args.out.clone().unwrap_or_else(|| default_folder(&scene.name, args.force));
+        claim(&folder, args.force)?;
+        Ok(folder.display().to_string())
+    })?;
+    let mut simulation = Simulation::on(network, scene, isa)?;
     // until the first step, what cannot be written is bad usage
-    let recorder = Recorder::create(&folder, &mut simulation).map_err(Failure::usage)?;
-    Ok((folder, simulation, recorder))
+    let recorder = Recorder::create(Path::new(&folder), &mut simulation).map_err(Failure::usage)?;
+    Ok((folder.into(), simulation, recorder))
 }
 
-/// Steps until the end; an error in words.
+/// Steps until the end, or until an error that all ranks share.
 fn march(
     simulation: &mut Simulation,
     recorder: &mut Recorder,
     progress: &mut Progress,
     signals: &Signals,
-) -> Result<End, String> {
-    while simulation.step().map_err(|error| error.to_string())? {
-        let next = recorder.step(simulation, signals.came()).map_err(|error| error.to_string())?;
-        progress.step(simulation);
-        if next == Next::Stop {
-            return Ok(End::Interrupted);
+) -> Result<End, Failure> {
+    loop {
+        match simulation.step() {
+            Ok(true) => {}
+            Ok(false) => return Ok(End::Completed),
+            Err(error @ RunError::Network(_)) => return Err(error.into()),
+            Err(error) => return Ok(End::Failed(error.to_string())),
         }
+        match recorder.step(simulation, signals.came()) {
+            Ok(Next::Go) => {}
+            Ok(Next::Stop) => return Ok(End::Interrupted),
+            Err(error) => return Ok(End::Failed(error.to_string())),
+        }
+        progress.step(simulation);
     }
-    Ok(End::Completed)
 }
 
 /// `runs/NAME`, or the first `runs/NAME-2`, `runs/NAME-3`, … that holds no run; with `force` always the first.

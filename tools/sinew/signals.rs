@@ -1,5 +1,5 @@
-//! SIGINT and SIGTERM end a run in good order; the second one ends it at once.
-use signal_hook::consts::{SIGINT, SIGTERM};
+//! SIGINT, SIGTERM and SIGUSR1 end a run in good order; the second one ends it at once.
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -17,7 +17,7 @@ impl Signals {
     /// If the system does not allow it.
     pub fn watch() -> std::io::Result<Self> {
         let (came, second) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
-        for signal in [SIGINT, SIGTERM] {
+        for signal in [SIGINT, SIGTERM, SIGUSR1] {
             flag::register_conditional_shutdown(signal, BY_SIGNAL + signal, Arc::clone(&second))?;
             flag::register(signal, Arc::clone(&second))?;
             flag::register_usize(signal, Arc::clone(&came), signal as usize)?;

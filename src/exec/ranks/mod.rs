@@ -2,6 +2,7 @@
 pub mod collective;
 mod error;
 pub mod ghosts;
+pub mod launch;
 pub mod local;
 pub mod migrate;
 #[cfg(feature = "mpi")]
@@ -13,6 +14,7 @@ pub mod reduction;
 pub use error::NetworkError;
 
 use crate::simd::Wide;
+use std::time::Duration;
 
 /// What a message is about. Messages from one rank to another on one channel arrive in the order in which they were sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -75,6 +77,11 @@ pub trait Network {
 
     /// Takes back the memory of a message that has been read.
     fn give_back(&mut self, _message: Vec<Wide>) {}
+
+    /// Waits until all ranks have come to their end, at most for `patience`; returns whether they have.
+    fn part(&mut self, _patience: Option<Duration>) -> bool {
+        true
+    }
 
     /// Ends all ranks at once, where they cannot agree on an end.
     fn abort(&mut self, status: i32) {

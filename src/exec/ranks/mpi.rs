@@ -16,6 +16,8 @@ use std::time::{Duration, Instant};
 
 /// How long a rank that stops waits for its last messages to leave.
 const PATIENCE: Duration = Duration::from_secs(5);
+/// Between two looks at a barrier.
+const NAP: Duration = Duration::from_millis(1);
 /// Messages whose memory is kept.
 const KEPT: usize = 64;
 
@@ -27,6 +29,8 @@ pub struct Mpi {
     sends: Vec<(MPI_Request, Vec<Wide>)>,
     receives: Vec<Posted>,
     memory: Vec<Vec<Wide>>,
+    /// Whether all ranks have come to their end.
+    parted: bool,
     /// Ends MPI when it is dropped: after everything else.
     _universe: Universe,
 }
@@ -46,7 +50,7 @@ impl Mpi {
         let world = universe.world();
         let neighbors = world.split_shared(world.rank()).size() as usize;
         let (sends, receives, memory) = (Vec::new(), Vec::new(), Vec::new());
-        Some(Self { world, neighbors, sends, receives, memory, _universe: universe })
+        Some(Self { world, neighbors, sends, receives, memory, parted: false, _universe: universe })
     }
 
     /// How many ranks share this machine, this one included.
@@ -213,6 +217,30 @@ impl Network for Mpi {
         }
     }
 
+    fn part(&mut self, patience: Option<Duration>) -> bool {
+        let began = Instant::now();
+        let patient = || patience.is_none_or(|most| began.elapsed() < most);
+        if !self.parted {
+            let mut request = MaybeUninit::<MPI_Request>::uninit();
+            // SAFETY: a barrier that each rank enters once, and that is complete before MPI ends
+            let mut request = unsafe {
+                ffi::MPI_Ibarrier(self.raw(), request.as_mut_ptr());
+                request.assume_init()
+            };
+            let mut done = 0;
+            while done == 0 && patient() {
+                // SAFETY: the request is under way
+                unsafe { ffi::MPI_Test(&mut request, &mut done, ffi::RSMPI_STATUS_IGNORE) };
+                std::thread::sleep(NAP);
+            }
+            self.parted = done != 0;
+        }
+        while !self.sends.is_empty() && patient() {
+            self.reap();
+        }
+        self.parted && self.sends.is_empty()
+    }
+
     fn abort(&mut self, status: i32) {
         self.world.abort(status);
     }
@@ -228,12 +256,7 @@ impl Drop for Mpi {
                 ffi::MPI_Wait(&mut posted.request, ffi::RSMPI_STATUS_IGNORE);
             }
         }
-        let began = Instant::now();
-        while !self.sends.is_empty() && began.elapsed() < PATIENCE {
-            self.reap();
-            std::thread::yield_now();
-        }
-        if !self.sends.is_empty() {
+        if std::thread::panicking() || !self.part(Some(PATIENCE)) {
             // somebody does not listen any more, and without that nobody would end
             self.world.abort(1);
         }
