@@ -270,6 +270,13 @@ fn rank_0_that_cannot_write_stops_all_ranks() {
     });
     assert!(errors[0].starts_with("cannot create") && errors[0].contains("no/such/folder"), "{errors:?}");
     assert!(errors[1..].iter().all(|error| error.starts_with("rank 0: cannot create")), "{errors:?}");
+    let errors = together(3, |network| {
+        let reader = ok(Reader::open_verified(&path));
+        let mut simulation = ok(Simulation::restore(network, scene.clone(), Isa::detect(), &reader));
+        let created = Recorder::create(&path.join("below a file"), &mut simulation);
+        created.map(|_| ()).expect_err("nowhere to write").to_string()
+    });
+    assert!(errors.iter().all(|error| error.contains("below a file")), "{errors:?}");
 }
 
 #[test]
@@ -368,6 +375,35 @@ fn a_damaged_checkpoint_is_named_and_the_one_before_is_used() {
     let output = sinew(&["run", "--restart", text(&parts)]);
     assert_eq!(output.status.code(), Some(2));
     assert!(words(&output).contains("holds no whole checkpoint"), "{}", words(&output));
+}
+
+#[test]
+fn output_that_is_missing_damaged_or_asked_for_anew_is_said_and_begins_anew() {
+    let folder = folder();
+    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
+    assert!(run(&whole, "20", &[]).status.success());
+    assert!(run(&parts, "10", &[]).status.success());
+    let particles = parts.join("particles.vtkhdf");
+    let bytes = ok(std::fs::read(&particles));
+    ok(std::fs::write(&particles, &bytes[..bytes.len() / 2]));
+    ok(std::fs::remove_file(parts.join("history.csv")));
+    let output = sinew(&["run", "--restart", text(&parts), "--steps", "15", "--set", "output.frames=100"]);
+    let said = words(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("history.csv is missing") && said.contains("particles.vtkhdf.damaged"), "{said}");
+    let frames = |k| ok(ok(sinew::output::vtkhdf::Reader::open(&particles)).frame(k));
+    assert!(frames(0).step > 10, "only new frames: {}", frames(0).step);
+    let before = ok(sinew::output::vtkhdf::Reader::open(&particles)).frames();
+    let output = sinew(&["run", "--restart", text(&parts), "--steps", "20", "-q"]);
+    assert!(output.status.success(), "{}", words(&output));
+    assert!(ok(sinew::output::vtkhdf::Reader::open(&particles)).frames() > before);
+    assert_eq!(timeless(&whole), timeless(&parts));
+    let scene = ok(std::fs::read_to_string(parts.join("scene.toml")));
+    assert!(scene.contains("frames = 100"), "the scene as it was run: {scene}");
+    // without a scene the checkpoint's own is used
+    ok(std::fs::remove_file(parts.join("scene.toml")));
+    assert!(sinew(&["run", "--restart", text(&parts), "-q"]).status.success());
+    assert_eq!(timeless(&whole), timeless(&parts));
 }
 
 #[test]
