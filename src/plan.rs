@@ -6,12 +6,12 @@ use crate::exec::traffic;
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
 use crate::graph::traffic::Traffic;
-use crate::grid::{Decomposition, Level, Partition};
+use crate::grid::{Decomposition, Partition};
 use crate::input::lattice;
 use crate::input::scene::{Behavior, Material, Rates, Scene};
 use crate::physics::law::Law;
 use crate::physics::materials::WithLaw;
-use crate::simulation::step_graph;
+use crate::simulation::{layout, step_graph};
 use crate::tasks::timestep;
 
 /// A scene cut into patches, and these given to ranks as a run would.
@@ -24,22 +24,16 @@ pub struct Plan {
     pub traffic: Traffic,
 }
 
-/// The level of a scene.
-pub fn level(scene: &Scene) -> Level {
-    Level { lower: scene.domain.lower, cell: scene.domain.cell, cells: scene.domain.cells }
-}
-
-/// Plans a run of `scene` on `patches` patches along each axis and `ranks` ranks.
+/// Plans a run of `scene` on `ranks` ranks: on the patches that it asks for, or on a patch a rank.
 ///
 /// # Errors
 /// Patches that do not fit the level, fewer patches than ranks, or no ranks.
-pub fn plan(scene: &Scene, patches: [usize; 3], ranks: usize) -> Result<Plan, String> {
+pub fn plan(scene: &Scene, ranks: usize) -> Result<Plan, String> {
     if ranks == 0 {
         return Err("0 ranks cannot run anything: give --ranks 1 or more".to_owned());
     }
-    let decomposition = Decomposition::new(&level(scene), patches)?;
+    let (decomposition, costs) = layout::decompose(scene, ranks)?;
     let warehouse = outline(scene, decomposition.clone());
-    let costs: Vec<u64> = warehouse.particles.iter().map(|homes| count(homes)).collect();
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
     let mut traffic = traffic::count(&warehouse, &partition);
     let history = |m: &Material| match &m.behavior {
@@ -76,10 +70,6 @@ impl WithLaw for HistoryOf {
     }
 }
 
-fn count(homes: &[crate::data::warehouse::ParticlePatch]) -> u64 {
-    homes.iter().flat_map(|home| &home.blocks).map(|block| block.count as u64).sum()
-}
-
 /// The blocks of the scene's start with their extents, neighbors and nodes, and particles without any label.
 pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
     let materials = (0..scene.materials.len()).map(|material| MaterialData {
@@ -93,7 +83,7 @@ pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
             .collect(),
     });
     let partition = Partition::alone(decomposition.patches.len());
-    let mut warehouse = Warehouse::new(level(scene), decomposition, partition, materials.collect());
+    let mut warehouse = Warehouse::new(layout::level(scene), decomposition, partition, materials.collect());
     warehouse.own_rates = scene.run.rates != Rates::Common;
     for body in &scene.bodies {
         for x in lattice::sample(scene, body) {

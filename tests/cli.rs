@@ -181,7 +181,7 @@ fn a_bench_writes_json_that_it_compares_with() {
 
 #[test]
 fn every_subcommand_has_help() {
-    for command in ["run", "check", "graph", "wound", "picture", "bench", "scene-docs"] {
+    for command in ["run", "check", "graph", "wound", "picture", "compare", "bench", "scene-docs"] {
         let output = sinew(&[command, "--help"]);
         assert!(output.status.success() && words(&output).contains("Usage"), "{command}");
     }

@@ -178,7 +178,7 @@ fn every_node_keeps_its_momentum_whoever_meets_there() {
 fn balls_that_bounce_keep_the_momentum_and_most_of_the_energy() {
     let bounce = |cell: &str| {
         let mut simulation = start(problem("two-spheres", &[("domain.cell", cell)]));
-        let before = simulation.report();
+        let before = simulation.report().expect("one rank");
         let after = finish(&mut simulation).unwrap_or_else(|e| panic!("{e}"));
         let one = norm(before.materials[0].momentum);
         let drift = norm(minus(momentum(&after), momentum(&before))) / one;
@@ -273,7 +273,7 @@ fn gaps_at_first_touch(overrides: Overrides<'_>) -> [f64; 2] {
     let mut simulation = start(scene(BLOCKS, overrides));
     let (mut gap, mut first) = (f64::NAN, None);
     while simulation.step().unwrap_or_else(|e| panic!("{e}")) {
-        let report = simulation.report();
+        let report = simulation.report().expect("one rank");
         let [left, right] = [0, 1].map(|m| report.materials[m].center[0]);
         if first.is_none() && report.impact != 0.0 {
             first = Some(gap);
@@ -334,7 +334,7 @@ fn a_free_rigid_ball_and_what_it_hits_conserve_momentum() {
         let ball = format!("{{ law = \"rigid\", motion = \"free\", density = {density} }}");
         let mut simulation =
             start(scene(BLOCKS, &[&[("material.left", ball.as_str())], &BALL[1..]].concat()));
-        let before = simulation.report();
+        let before = simulation.report().expect("one rank");
         let after = finish(&mut simulation).unwrap_or_else(|e| panic!("{e}"));
         let drift = norm(minus(momentum(&after), momentum(&before))) / norm(before.materials[0].momentum);
         let angular = norm(minus(common::angular_momentum(&after), common::angular_momentum(&before)));
@@ -360,10 +360,10 @@ fn a_free_rigid_ball_slows_down_by_what_the_block_gains() {
     for rates in ["common", "per-material"] {
         let more = [&[ball, BALL[1], BALL[4], BALL[5], ("run.rates", rates)][..], &flight].concat();
         let mut simulation = start(scene(BLOCKS, &more));
-        let before = simulation.report().materials;
+        let before = simulation.report().expect("one rank").materials;
         let (p, mut worst, mut slowest, mut pulled) = (norm(before[0].momentum), 0.0f64, 2.0f64, 0.0f64);
         while simulation.step().unwrap_or_else(|e| panic!("{e}")) {
-            let now = simulation.report().materials;
+            let now = simulation.report().expect("one rank").materials;
             let [lost, gained] =
                 [minus(before[0].momentum, now[0].momentum), minus(now[1].momentum, before[1].momentum)];
             worst = worst.max(norm(minus(lost, gained)) / p);

@@ -27,7 +27,7 @@ patches = 2
 /// Reports at the start and at the end.
 fn ends(overrides: Overrides<'_>) -> [Report; 2] {
     let mut simulation = start(scene(BLOCK, overrides));
-    let before = simulation.report();
+    let before = simulation.report().expect("one rank");
     [before, finish(&mut simulation).unwrap_or_else(|e| panic!("{e}"))]
 }
 
@@ -48,7 +48,7 @@ fn a_body_that_flies_freely_keeps_its_kinetic_energy() {
 fn lost(cell: &str, cfl: &str) -> f64 {
     let mut simulation = start(scene(BLOCK, &[("domain.cell", cell), ("run.cfl", cfl)]));
     set_velocity(&mut simulation, |[x, _, _]| [0.5 * x, 0.0, 0.0]);
-    let before = simulation.report().energy().total();
+    let before = simulation.report().expect("one rank").energy().total();
     let after = finish(&mut simulation).unwrap_or_else(|e| panic!("{e}")).energy();
     println!(
         "cells of {cell}, CFL {cfl}: {:.3e} lost, strain now {:.3}",
@@ -149,7 +149,7 @@ fn a_body_at_rest_on_the_floor_takes_no_work_from_gravity() {
     while simulation.clock().time < 1.0 {
         simulation.step().unwrap_or_else(|e| panic!("{e}"));
     }
-    let before = simulation.report();
+    let before = simulation.report().expect("one rank");
     let after = finish(&mut simulation).unwrap_or_else(|e| panic!("{e}"));
     let height = (after.boundary_work - before.boundary_work) / (9.81 * after.materials[0].mass);
     let fell = before.materials[0].center[1] - after.materials[0].center[1];

@@ -35,6 +35,7 @@ fn scene() -> Scene {
         surfaces: SURFACES,
         center: [25.0 * MM, 25.0 * MM],
     };
+    let checkpoint = Checkpoint { steps: None, time: None, wall: 0.0, kept: 1 };
     Scene {
         name: "slab".into(),
         title: "A fragment through a slab of heart muscle, 50 m/s".into(),
@@ -56,10 +57,11 @@ fn scene() -> Scene {
             pic: 0.0,
             viscosity: None,
             leaving: Leaving::Error,
+            rebalance_every: 0,
             patches: None,
             threads: None,
         },
-        output: Output { frames: 1, history_every: 1, wound: Some(wound) },
+        output: Output { frames: 1, history_every: 1, checkpoint, wound: Some(wound) },
         lines: Default::default(),
         resolved: String::new(),
     }

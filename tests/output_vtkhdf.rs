@@ -106,7 +106,7 @@ fn a_restart_goes_on_after_the_frames_it_knows() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("particles.vtkhdf");
     write(&path, &[7, 6, 5]);
-    let mut writer = Writer::resume(&path, 1.5e-3).unwrap();
+    let mut writer = Writer::resume(&path, 2).unwrap();
     assert_eq!(writer.frames(), 2);
     writer.append(&snapshot(8, 4)).unwrap();
     writer.close().unwrap();

@@ -60,64 +60,7 @@ fn the_slab_of_the_paper_has_the_same_bits_on_8_patches() {
 }
 
 /// Two balls and a rigid one that fly at each other over the corners of patches.
-const CROSSING: &str = r#"
-[domain]
-lower = [-8, -8, -8]
-upper = [8, 8, 8]
-cell = 0.8
-[material.a]
-law = "neo-hookean"
-density = 1000
-bulk-modulus = "1 MPa"
-shear-modulus = "1 MPa"
-[material.b]
-law = "neo-hookean"
-density = 2000
-bulk-modulus = "2 MPa"
-shear-modulus = "1 MPa"
-[material.tool]
-law = "rigid"
-motion = "free"
-density = 5000
-angular-velocity = [1, 2, 3]
-[[body]]
-name = "a"
-material = "a"
-shape = { sphere = { center = [-2.4, -2.4, -2.4], radius = 2 } }
-velocity = [5, 5, 5]
-[[body]]
-name = "b"
-material = "b"
-particles-per-cell = [3, 2, 1]
-shape = { sphere = { center = [2, 2, 2], radius = 2.2 } }
-velocity = [-5, -5, -5]
-[[body]]
-name = "tool"
-material = "tool"
-shape = { sphere = { center = [3, -3, -2], radius = 1.6 } }
-velocity = [-6, 6, 5]
-[[contact]]
-between = ["a", "b"]
-law = "friction"
-friction = 0.3
-[[contact]]
-between = ["a", "tool"]
-law = "friction"
-friction = 0.3
-[[contact]]
-between = ["b", "tool"]
-law = "bonded"
-[boundary]
-x-min = "fixed"
-y-max = "symmetric"
-[load]
-gravity = [0, 0, -9.81]
-[run]
-until = 1
-steps = 120
-viscosity = {}
-leaving = "delete"
-"#;
+const CROSSING: &str = include_str!("scenes/crossing.toml");
 
 #[test]
 fn bodies_that_cross_corners_of_random_patches_keep_their_bits() {

@@ -74,7 +74,7 @@ fn one_substep_is_the_common_step_bit_by_bit() {
     let short = [("run.steps", "150")];
     let same = |of: &dyn Fn(Overrides<'_>) -> Scene| {
         let hash = |more: Overrides<'_>| {
-            let (simulation, report) = end(of(&[&short, more].concat()));
+            let (mut simulation, report) = end(of(&[&short, more].concat()));
             (simulation.state_hash(), format!("{report:?}"))
         };
         let common = hash(&[("run.rates", "common")]);
@@ -88,10 +88,10 @@ fn one_substep_is_the_common_step_bit_by_bit() {
 #[test]
 fn every_material_is_where_it_flies_at_the_end_of_every_step() {
     let mut simulation = start(scene(MEETING, &[("contact", ""), ("run.steps", "40")]));
-    let before = simulation.report();
+    let before = simulation.report().expect("one rank");
     let mut ticks = 0;
     while simulation.step().unwrap_or_else(|e| panic!("{e}")) {
-        let now = simulation.report();
+        let now = simulation.report().expect("one rank");
         let more = simulation.ticks() - ticks;
         ticks = simulation.ticks();
         assert!(more > 20 && more <= 256 || simulation.finished(), "{more} ticks a step");

@@ -236,7 +236,7 @@ fn mass_and_momentum_are_conserved_to_rounding() {
         let mut random = Random(3);
         // slow, so that nothing inverts, and moving as a whole
         common::set_velocity(&mut simulation, |_| from_fn(|a| [1.0, 2.0, -0.5][a] + 0.2 * random.sign()));
-        let before = simulation.report();
+        let before = simulation.report().expect("one rank");
         let after = finish(&mut simulation).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(before.materials[0].mass.to_bits(), after.materials[0].mass.to_bits());
         let drift = norm(minus(momentum(&after), momentum(&before))) / norm(momentum(&before));
@@ -254,7 +254,7 @@ fn angular_momentum_drifts_with_the_square_of_the_cell() {
         let overrides = [("domain.cell", cell), ("run.until", "0.2"), ("run.steps", "")];
         let mut simulation = start(scene(BLOCK, &overrides));
         common::set_velocity(&mut simulation, |[x, y, _]| [-2.0 * y, 2.0 * x, 0.0]);
-        let before = angular_momentum(&simulation.report());
+        let before = angular_momentum(&simulation.report().expect("one rank"));
         let after = angular_momentum(&finish(&mut simulation).unwrap_or_else(|e| panic!("{e}")));
         let stress = largest(&simulation, LabelId::KirchhoffStress) / 1e6;
         (norm(minus(after, before)) / norm(before), stress)

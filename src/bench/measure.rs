@@ -55,7 +55,7 @@ pub fn bench(
     if plan.steps.min(plan.repeat).min(plan.threads).min(particles) == 0 {
         return Err(BenchError::Nothing);
     }
-    let (isa, state) = (simulation.isa(), state(simulation));
+    let (isa, state) = (simulation.isa(), state(simulation)?);
     let needed = 1 + 4 * plan.repeat * (1 + plan.steps);
     let mut bench = Bench { simulation, plan, isa, needed };
     progress("ceilings");
@@ -204,8 +204,8 @@ fn machine(isa: Isa) -> Machine {
     }
 }
 
-fn state(simulation: &mut Simulation) -> State {
-    let materials = simulation.report().materials;
+fn state(simulation: &mut Simulation) -> Result<State, BenchError> {
+    let materials = simulation.report().map_err(RunError::from)?.materials;
     // inverted particles are among those that failed
     let failed: u64 = materials.iter().map(|m| m.failed[..3].iter().sum::<u64>()).sum();
     let warehouse: &Warehouse = &simulation.warehouse;
@@ -213,7 +213,7 @@ fn state(simulation: &mut Simulation) -> State {
     let (particle_bytes, node_bytes) = simulation.bytes();
     let near: usize = warehouse.blocks().filter(|(_, block)| block.near).map(|(_, block)| block.count).sum();
     let tiles: usize = warehouse.blocks().map(|(_, block)| block.tiles()).sum();
-    State {
+    Ok(State {
         scene: simulation.scene.name.clone(),
         time_ms: 1e3 * simulation.clock().time,
         steps_before: simulation.steps(),
@@ -224,5 +224,5 @@ fn state(simulation: &mut Simulation) -> State {
         blocks: warehouse.blocks().count(),
         patches: warehouse.decomposition.patches.len(),
         data_mb: (particle_bytes + node_bytes) as f64 / 1e6,
-    }
+    })
 }

@@ -20,6 +20,16 @@ pub fn bounds(extent: &Extent, axis: usize) -> (f64, f64) {
     (-largest(&extent[axis + 3]), largest(&extent[axis]))
 }
 
+/// The largest y on each axis, then the largest −y: what counts of an extent.
+pub fn largest(extent: &Extent) -> [f64; 6] {
+    extent.map(|line| line.0.into_iter().fold(f64::NEG_INFINITY, f64::max))
+}
+
+/// An extent from what counts of it.
+pub fn from_largest(largest: [f64; 6]) -> Extent {
+    largest.map(|y| Wide([y; LANES]))
+}
+
 /// Widens an extent by a particle at `y`.
 pub fn include(extent: &mut Extent, y: [f64; 3]) {
     for axis in 0..3 {

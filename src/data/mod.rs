@@ -1,5 +1,5 @@
 //! Labels, the columns behind them, and the views of them that tasks receive.
-mod activate;
+pub mod activate;
 pub mod exact_sum;
 pub mod extent;
 pub mod label;

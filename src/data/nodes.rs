@@ -1,6 +1,7 @@
 //! Node fields of one block, for the materials that touch it.
 use crate::grid::BlockIndex;
 use crate::simd::Wide;
+use std::ops::Range;
 
 /// Nodes that a block owns: 4x4x4, z fastest.
 pub const NODES: usize = 64;
@@ -21,6 +22,10 @@ pub struct NodeBlock {
     pub until: Vec<f64>,
     /// For each present material, its particle blocks around, in the order of `grid::around`: (patch, position).
     pub around: Vec<[(u32, u32); 27]>,
+    /// Whether particles of another rank give to it.
+    pub rim: bool,
+    /// What work on it took, while that is weighed [ns].
+    pub cost: u64,
 }
 
 impl NodeBlock {
@@ -29,7 +34,7 @@ impl NodeBlock {
         let motion = vec![Wide::default(); NODES * present.len()];
         let around = vec![[NOWHERE; 27]; present.len()];
         let until = vec![NEVER; present.len()];
-        Self { index, present, motion, impulse: Vec::new(), until, around }
+        Self { index, present, motion, impulse: Vec::new(), until, around, rim: false, cost: 0 }
     }
 
     /// As `old`, but for other materials: those that stay keep the motion that they have in the middle of a step.
@@ -57,8 +62,17 @@ impl NodeBlock {
 
     /// The motion of a material, or `None` if it does not touch the block.
     pub fn motion_of(&self, material: usize) -> Option<&[Wide]> {
+        self.lines_of(material).map(|lines| &self.motion[lines])
+    }
+
+    /// As [`NodeBlock::motion_of`], to write.
+    pub fn motion_of_mut(&mut self, material: usize) -> Option<&mut [Wide]> {
+        self.lines_of(material).map(|lines| &mut self.motion[lines])
+    }
+
+    fn lines_of(&self, material: usize) -> Option<Range<usize>> {
         let slot = self.present.iter().position(|&m| m as usize == material)?;
-        Some(&self.motion[slot * NODES..(slot + 1) * NODES])
+        Some(slot * NODES..(slot + 1) * NODES)
     }
 }
 

@@ -41,6 +41,9 @@ impl Layout {
     }
 }
 
+/// Lines of an extent.
+const EXTENT: usize = size_of::<Extent>() / size_of::<Wide>();
+
 /// The particles of one material that belong to one block, in a fixed order that no decomposition changes.
 ///
 /// Lanes beyond `count` are inert: no mass, no volume, F = 1, at rest in the middle of the block.
@@ -62,6 +65,10 @@ pub struct ParticleBlock {
     pub touched: IndexBox,
     /// Whether particles of a contacting material may touch the same nodes.
     pub near: bool,
+    /// Whether its particles share node blocks with another rank's, or with nodes that do.
+    pub rim: bool,
+    /// What work on it took, while that is weighed [ns].
+    pub cost: u64,
     /// Node blocks around, in the order of `grid::around`: (patch, position), see `warehouse`.
     pub around: [(u32, u32); 27],
 }
@@ -78,6 +85,8 @@ impl ParticleBlock {
             extent: extent::NOBODY,
             touched: IndexBox { lower: [0; 3], upper: [0; 3] },
             near: false,
+            rim: false,
+            cost: 0,
             around: [(u32::MAX, u32::MAX); 27],
         }
     }
@@ -158,6 +167,36 @@ impl ParticleBlock {
                 self.put(layout, label, particle, component, value);
             }
         }
+    }
+
+    /// Appends everything that makes the block, to be read by [`ParticleBlock::from_lines`].
+    pub fn to_lines(&self, layout: &Layout, lines: &mut Vec<Wide>) {
+        let [x, y, z] = self.index.map(|i| i as u32 as u64);
+        lines.push(bytemuck::cast([x, y, z, self.count as u64, 0, 0, 0, 0]));
+        lines.extend_from_slice(&self.extent);
+        for label in layout.labels() {
+            let used = self.tiles() * layout.widths[label as usize];
+            lines.extend_from_slice(&self.column(layout, label)[..used]);
+        }
+    }
+
+    /// A block from the beginning of `lines`, which go on after it; `None` if they are too few.
+    pub fn from_lines(
+        layout: &Layout,
+        rest: impl Fn(BlockIndex) -> [f64; 3],
+        lines: &mut &[Wide],
+    ) -> Option<Self> {
+        let (head, after) = lines.split_at_checked(1 + EXTENT)?;
+        let [x, y, z, count, ..]: [u64; 8] = bytemuck::cast(head[0]);
+        let mut block = Self::new([x, y, z].map(|i| i as u32 as i32));
+        block.count = count as usize;
+        block.extent.copy_from_slice(&head[1..]);
+        let tiles = block.tiles();
+        block.reserve(layout, rest(block.index), tiles);
+        let (columns, after) = after.split_at_checked(tiles * layout.total)?;
+        block.columns.copy_from_slice(columns);
+        *lines = after;
+        Some(block)
     }
 
     /// Removes the particles at `leaving` (ascending); the others keep their order.

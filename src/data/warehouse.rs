@@ -135,6 +135,24 @@ impl Warehouse {
         Self { level, decomposition, partition, materials, particles, nodes, shared, stale, own_rates }
     }
 
+    /// Gives patches to other ranks. Whoever calls it has seen to the blocks: those of patches that are not this rank's any
+    /// more are dropped.
+    pub fn set_partition(&mut self, partition: Partition) {
+        self.partition = partition;
+        for (patch, homes) in self.particles.iter_mut().enumerate() {
+            let mine = self.partition.is_mine(patch);
+            let slots = if mine { self.decomposition.patches[patch].blocks.len() } else { 0 };
+            for home in homes {
+                home.blocks.retain(|_| mine);
+                home.lookup = vec![0; slots];
+            }
+            if !mine {
+                self.nodes[patch] = NodePatch::default();
+            }
+        }
+        self.stale = true;
+    }
+
     /// Number of particles on this rank.
     pub fn particle_count(&self) -> usize {
         self.blocks().map(|(_, block)| block.count).sum()
@@ -157,6 +175,14 @@ impl Warehouse {
         Ok((index, patch))
     }
 
+    /// Whether the block of a particle at `x` that comes from elsewhere holds others already, on this rank.
+    pub fn is_occupied(&self, material: usize, x: [f64; 3]) -> bool {
+        self.home(material, x).is_ok_and(|(index, patch)| {
+            let slot = self.decomposition.patches[patch].blocks.offset(index);
+            slot.is_some_and(|slot| self.particles[patch][material].lookup[slot] > 0)
+        })
+    }
+
     /// Adds a particle to the block that owns position `x`, on this rank. New blocks wait for [`Warehouse::activate`].
     ///
     /// # Errors
@@ -177,6 +203,20 @@ impl Warehouse {
         Ok(())
     }
 
+    /// Puts a block with its particles into its patch, on this rank: for a restart.
+    ///
+    /// # Errors
+    /// A block outside the level.
+    pub fn adopt(&mut self, material: usize, block: ParticleBlock) -> Result<(), OutsideLevel> {
+        let patch = self.decomposition.owner(block.index).ok_or(OutsideLevel)?;
+        let at = self.decomposition.patches[patch].blocks.offset(block.index).ok_or(OutsideLevel)?;
+        let home = &mut self.particles[patch][material];
+        home.blocks.push(block);
+        home.lookup[at] = home.blocks.len() as u32;
+        self.stale = true;
+        Ok(())
+    }
+
     /// Number of particle blocks in each layer along x, from the level's first layer on, as of the last activation.
     pub fn blocks_by_layer(&self) -> Vec<usize> {
         let all = self.level.blocks();
@@ -189,6 +229,14 @@ impl Warehouse {
             }
         }
         counts
+    }
+
+    /// What work on a patch took since this was asked last, while it was weighed [ns].
+    pub fn take_cost(&mut self, patch: usize) -> u64 {
+        let blocks = self.particles[patch].iter_mut().flat_map(|home| &mut home.blocks);
+        let particles: u64 = blocks.map(|block| std::mem::take(&mut block.cost)).sum();
+        let nodes = self.nodes[patch].blocks.iter_mut();
+        particles + nodes.map(|block| std::mem::take(&mut block.cost)).sum::<u64>()
     }
 
     /// Number of nodes in active blocks.

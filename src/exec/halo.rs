@@ -23,7 +23,7 @@ fn shared_nodes(d: i32) -> (Range<i32>, i32) {
 /// The nodes (0 to 3 on each axis) that a block shares with the `touched` part of the buffer of the one at `d`, and what
 /// to add to them to get their index in that buffer.
 #[inline(always)]
-fn overlap(d: [i32; 3], touched: &IndexBox) -> Option<(IndexBox, [i32; 3])> {
+pub fn overlap(d: [i32; 3], touched: &IndexBox) -> Option<(IndexBox, [i32; 3])> {
     let (mut nodes, mut shift) = (IndexBox { lower: [0; 3], upper: [0; 3] }, [0; 3]);
     for a in 0..3 {
         let (shared, to_buffer) = shared_nodes(d[a]);

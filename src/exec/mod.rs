@@ -1,6 +1,8 @@
 //! Runs a graph on a warehouse. Knows labels, blocks and threads; knows no physics.
+mod border;
 pub mod buffers;
 pub mod halo;
+mod lending;
 pub mod meter;
 pub mod ranks;
 pub mod relocate;
@@ -12,13 +14,14 @@ pub mod threads;
 pub mod trace;
 pub mod traffic;
 pub mod wave;
+mod work;
 
 pub use serial::Serial;
 pub use step::Engine;
 pub use threads::Threads;
 
-/// How independent pieces of a phase are spread over workers. A rank executor joins here: its pieces are those of
-/// its own patches, and it exchanges halos and reductions between phases.
+/// How independent pieces of a phase are spread over the workers of a rank. What passes between ranks is the business of
+/// [`ranks::Network`].
 pub trait Executor: Send + Sync {
     /// Runs `work(worker, item)` on every item, each on some worker below [`Executor::workers`]; at any time a
     /// worker runs one item.

@@ -1,23 +1,31 @@
 //! A step: the phases of a graph, one after the other.
 use super::Executor;
+use super::border::Border;
 use super::buffers::Buffers;
+use super::lending::{begin, collect, lend};
 use super::meter::{Laps, Tally, What};
+use super::ranks::ghosts::Ghosts;
+use super::ranks::migrate;
+use super::ranks::occupied::{self, Beside};
+use super::ranks::reduction::{self, Counters};
+use super::ranks::{Network, NetworkError};
+use super::relocate::{Relocation, Way};
 use super::scratch::Scratch;
 use super::stage::{self, Context};
+use super::trace::{Event, Recorder};
 use super::wave;
-use crate::data::label::Home;
-use crate::data::nodes::NodeBlock;
-use crate::data::particles::ParticleBlock;
-use crate::data::reduction;
+use super::work::{Blocks, Memory, Which, Work, lock};
+use crate::data::label::Reduce;
+use crate::data::labels::LabelId;
 use crate::data::schedule::Schedule;
-use crate::data::warehouse::{NodePatch, ParticlePatch, Shared, Warehouse};
+use crate::data::warehouse::{Shared, Warehouse};
 use crate::graph::build::TaskGraph;
-use crate::graph::fuse::{Phase, Stage, When};
+use crate::graph::fuse::{Phase, Stage};
 use crate::graph::task::Domain;
-use crate::grid::Decomposition;
-use crate::simd::Isa;
+use crate::grid::Partition;
+use crate::simd::{Isa, Wide};
 use std::ops::Range;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 /// Runs graphs with an executor. Keeps what workers need between steps.
 pub struct Engine<E> {
@@ -29,7 +37,15 @@ pub struct Engine<E> {
     buffers: Buffers,
     /// Layers of blocks that a wave takes at once.
     slabs: Vec<Range<i32>>,
+    /// Ranks in sight.
+    beside: Vec<Beside>,
+    /// What passes between them and this one.
+    ghosts: Ghosts,
     metered: bool,
+    /// Whether blocks remember what work on them takes.
+    weighing: bool,
+    /// What is done when.
+    trace: Recorder,
 }
 
 impl<E: Executor> Engine<E> {
@@ -38,8 +54,23 @@ impl<E: Executor> Engine<E> {
         let scratch = || Mutex::new(Scratch::new(warehouse.materials.len(), &warehouse.shared));
         let scratch = (0..executor.workers()).map(|_| scratch()).collect();
         let schedule = Schedule::everyone(warehouse.materials.len());
-        let (memory, slabs) = (Memory::default(), Vec::new());
-        Self { executor, isa, scratch, schedule, memory, buffers: Buffers::default(), slabs, metered: false }
+        let (memory, buffers, slabs) = (Memory::default(), Buffers::default(), Vec::new());
+        let beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
+        let (ghosts, metered, weighing, trace) = (Ghosts::default(), false, false, Recorder::off());
+        Self {
+            executor,
+            isa,
+            scratch,
+            schedule,
+            memory,
+            buffers,
+            slabs,
+            beside,
+            ghosts,
+            metered,
+            weighing,
+            trace,
+        }
     }
 
     /// Instruction set that tasks run on.
@@ -71,6 +102,21 @@ impl<E: Executor> Engine<E> {
         sum
     }
 
+    /// Lets blocks remember what work on them takes from now on, or stops that.
+    pub fn set_weighing(&mut self, on: bool) {
+        self.weighing = on;
+    }
+
+    /// Records from now on what is done when, at most `bound` events a worker; 0: no more.
+    pub fn set_trace(&mut self, bound: usize) {
+        self.trace = if bound == 0 { Recorder::off() } else { Recorder::new(self.workers(), bound) };
+    }
+
+    /// What is done when.
+    pub fn trace(&self) -> &Recorder {
+        &self.trace
+    }
+
     /// Does work of its own, and meters it as `what`.
     pub fn metered<T>(&self, what: What, work: impl FnOnce() -> T) -> T {
         if !self.metered {
@@ -85,11 +131,18 @@ impl<E: Executor> Engine<E> {
     }
 
     /// Runs `graph` once: a tick. A task that computes the label `Step` decides which materials act in the rest of it;
-    /// without one, all do.
-    pub fn run(&mut self, graph: &TaskGraph, warehouse: &mut Warehouse) {
+    /// without one, all do. Reductions that only the end completes are left to [`Engine::relocate`] or [`Engine::reduce`].
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn run(
+        &mut self,
+        graph: &TaskGraph,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+    ) -> Result<(), NetworkError> {
         if warehouse.stale {
-            self.metered(What::Activation, || warehouse.activate());
-            self.slabs.clear();
+            self.activate(warehouse, network)?;
         }
         if self.slabs.is_empty() {
             self.slabs = wave::slabs(warehouse, self.workers());
@@ -97,176 +150,162 @@ impl<E: Executor> Engine<E> {
         self.schedule.reset();
         for wave in &graph.waves {
             let phases = &graph.phases[wave.clone()];
+            self.reduce(Some(wave.start), &phases[0].reductions, &mut warehouse.shared, network)?;
             let names = || phases.iter().flat_map(|p| &p.stages).flat_map(|s| &s.nodes);
             let span = tracing::debug_span!("wave", tasks = tracing::field::Empty);
             if !span.is_disabled() {
                 let names: Vec<&str> = names().map(|&n| graph.graph[n].name.as_str()).collect();
                 span.record("tasks", names.join(" "));
             }
-            span.in_scope(|| self.wave(graph, phases, warehouse));
+            span.in_scope(|| self.wave(graph, wave, warehouse, network))?;
             if phases.iter().any(|phase| phase.decides) {
                 self.schedule.read(&warehouse.shared);
             }
         }
+        Ok(())
     }
 
-    /// Whether a step of the material ended with the last tick.
-    pub fn ended(&self, material: usize) -> bool {
-        self.schedule.ends(material)
+    /// Which blocks are active, here and in sight.
+    fn activate(&mut self, warehouse: &mut Warehouse, network: &mut dyn Network) -> Result<(), NetworkError> {
+        if network.size() > 1 {
+            occupied::tell(network, warehouse, &self.beside)?;
+        }
+        self.metered(What::Activation, || warehouse.activate());
+        if network.size() > 1 {
+            self.ghosts = Ghosts::new(warehouse, &self.beside);
+        }
+        self.slabs.clear();
+        Ok(())
+    }
+
+    /// Gives patches to the ranks that `partition` wants; returns how many bytes this rank sent.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn migrate(
+        &mut self,
+        partition: Partition,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+    ) -> Result<usize, NetworkError> {
+        let lines = migrate::migrate(network, warehouse, partition)?;
+        self.beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
+        Ok(lines * size_of::<Wide>())
+    }
+
+    /// Brings the parts of all ranks of some labels together, before a phase or at the end.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn reduce(
+        &self,
+        before: Option<usize>,
+        labels: &[LabelId],
+        shared: &mut Shared,
+        network: &mut dyn Network,
+    ) -> Result<(), NetworkError> {
+        if labels.is_empty() || network.size() == 1 {
+            return Ok(());
+        }
+        let began = self.trace.now();
+        reduction::reduce(network, labels, |m| self.schedule.ends(m), shared, &mut Counters::default())?;
+        self.trace.record(0, began, Event::reduction(before));
+        Ok(())
+    }
+
+    /// Finds the particles that have to move after a tick of `graph`, and completes its reductions. If `reflect`, particles
+    /// outside the level come back.
+    ///
+    /// # Errors
+    /// If a rank or a particle is gone.
+    pub fn relocate(
+        &self,
+        graph: &TaskGraph,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+        reflect: bool,
+    ) -> Result<Relocation, NetworkError> {
+        let moved = |material: usize| self.schedule.ends(material);
+        let (labels, trace) = (&graph.at_end[..], &self.trace);
+        let mut way = Way { network, beside: &self.beside, labels, reflect, trace };
+        let prepare = || Relocation::prepare(warehouse, &mut way, moved);
+        self.metered(What::Relocation, prepare)
     }
 
     /// Runs phases that may follow one another layer by layer.
-    fn wave(&mut self, graph: &TaskGraph, phases: &[Phase], warehouse: &mut Warehouse) {
-        let Self { executor, isa, scratch, schedule, metered, memory, buffers, slabs } = self;
-        let Warehouse { level, decomposition, materials, particles, nodes, shared, .. } = warehouse;
-        let context = Context { isa: *isa, recipe: &graph.recipe, level, materials, schedule, buffers };
+    fn wave(
+        &mut self,
+        graph: &TaskGraph,
+        wave: &Range<usize>,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+    ) -> Result<(), NetworkError> {
+        let (isa, metered, weighing) = (self.isa, self.metered, self.weighing);
+        let Self { executor, scratch, schedule, memory, buffers, slabs, ghosts, trace, .. } = self;
+        let Warehouse { level, decomposition, partition, materials, particles, nodes, shared, .. } =
+            warehouse;
+        let (first, phases) = (wave.start, &graph.phases[wave.clone()]);
+        let context = Context { isa, recipe: &graph.recipe, level, materials, schedule, buffers };
         phases.iter().for_each(|phase| begin(phase, schedule, shared));
         let once = phases[0].stages.first().filter(|s| s.domain == Domain::Once);
         if let Some(stage) = once {
-            let once = if *metered { stage::once::<true> } else { stage::once::<false> };
-            return once(&context, stage, shared, &mut lock(&scratch[0]).tally);
+            let tally = &mut lock(&scratch[0]).tally;
+            match metered {
+                true => once_for_all::<true>(&context, stage, shared, tally, network.rank()),
+                false => once_for_all::<false>(&context, stage, shared, tally, network.rank()),
+            }
+            return Ok(());
         }
         lend(phases, scratch, shared);
         let blocks = level.blocks();
         let whole = blocks.lower[0]..blocks.upper[0];
-        let slabs = if wave::busy(schedule, particles) { &slabs[..] } else { &[whole] };
-        let mut work = Work { executor, context, scratch, memory, metered: *metered };
-        let mut data = Blocks { decomposition, particles, nodes };
-        executor.enter(|| {
-            for (phase, slab) in wave::order(phases, slabs) {
-                match phase.stages.first().map(|stage| stage.domain) {
-                    Some(Domain::Nodes) => work.over_nodes(phase, slab, &mut data),
-                    _ => work.over_particles(phase, slab, &mut data),
-                }
-            }
-        });
+        let slabs = if wave::busy(schedule, particles) { &slabs[..] } else { std::slice::from_ref(&whole) };
+        let mut work = Work { executor, context, scratch, memory, metered, weighing, trace };
+        let mut data = Blocks { first_layer: whole.start, decomposition, partition, particles, nodes };
+        if network.size() == 1 {
+            executor.enter(|| {
+                let order = wave::order(phases, slabs);
+                order.for_each(|(phase, slab)| work.over(phase, Which::All(slab), &mut data));
+            });
+        } else {
+            let border = Border::new(network, ghosts, (first, phases), whole.clone());
+            together(border, phases, slabs, &mut work, &mut data)?;
+        }
         collect(phases, scratch, shared);
+        Ok(())
     }
 }
 
-/// What a wave works with.
-struct Work<'a, E> {
-    executor: &'a E,
-    context: Context<'a>,
-    scratch: &'a [Mutex<Scratch>],
-    memory: &'a mut Memory,
-    metered: bool,
-}
-
-impl<E: Executor> Work<'_, E> {
-    /// Runs a phase over nodes on one slab.
-    fn over_nodes(&mut self, phase: &Phase, slab: &Range<i32>, data: &mut Blocks<'_>) {
-        let Self { executor, context, scratch, memory, metered } = self;
-        let Some(stage) = phase.stages.first() else { return };
-        let (awake, next) = (context.schedule.awake(), context.schedule.next());
-        let mut items = recycle(std::mem::take(&mut memory.nodes));
-        for (nodes, patch) in data.nodes.iter_mut().zip(&data.decomposition.patches) {
-            let blocks = nodes.slab_mut(patch.blocks.lower[0], slab);
-            items.extend(blocks.filter(|(present, _)| present & awake != 0).map(|(_, block)| block));
-        }
-        let update = if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
-        executor.each(&mut items, |worker, block| {
-            let ran = update(context, stage, data.particles, &mut lock(&scratch[worker]), block);
-            if ran && phase.settles {
-                block.until.fill(next);
-            }
-        });
-        memory.nodes = recycle(items);
+/// Runs a wave with other ranks: the rim as soon as it can be, the interior in between.
+fn together<E: Executor>(
+    mut border: Border<'_>,
+    phases: &[Phase],
+    slabs: &[Range<i32>],
+    work: &mut Work<'_, E>,
+    data: &mut Blocks<'_>,
+) -> Result<(), NetworkError> {
+    border.await_next(work);
+    border.advance(work, data, false)?;
+    for (phase, slab) in wave::order(phases, slabs) {
+        work.over(phase, Which::Interior(slab), data);
+        border.advance(work, data, false)?;
     }
-
-    /// Runs a phase over particles on one slab.
-    fn over_particles(&mut self, phase: &Phase, slab: &Range<i32>, data: &mut Blocks<'_>) {
-        let Self { executor, context, scratch, memory, metered } = self;
-        let mut items = recycle(std::mem::take(&mut memory.particles));
-        for (homes, patch) in data.particles.iter_mut().zip(&data.decomposition.patches) {
-            for (material, home) in homes.iter_mut().enumerate() {
-                if let Some(stage) = phase.stages.iter().find(|s| acts(s, context.schedule, material)) {
-                    let blocks = home.slab_mut(patch.blocks.lower[0], slab).iter_mut();
-                    items.extend(blocks.map(|block| (stage, block)));
-                }
-            }
-        }
-        let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
-        executor.each(&mut items, |worker, (stage, block)| {
-            sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
-        });
-        memory.particles = recycle(items);
-    }
+    border.advance(work, data, true)
 }
 
-/// The blocks that a wave works on.
-struct Blocks<'a> {
-    decomposition: &'a Decomposition,
-    particles: &'a mut [Vec<ParticlePatch>],
-    nodes: &'a mut [NodePatch],
-}
-
-/// Whether a stage over particles runs for a material in this tick.
-fn acts(stage: &Stage, schedule: &Schedule, material: usize) -> bool {
-    stage.material == Some(material)
-        && match stage.when {
-            When::Begin => schedule.begins(material),
-            When::End => schedule.ends(material),
-        }
-}
-
-/// A worker's scratch. Nobody else takes it while the worker works.
-fn lock(scratch: &Mutex<Scratch>) -> MutexGuard<'_, Scratch> {
-    scratch.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Gives every worker the shared labels that the phases read, and nothing yet of those that they reduce.
-fn lend(phases: &[Phase], scratch: &[Mutex<Scratch>], shared: &Shared) {
-    for scratch in scratch {
-        let mut scratch = lock(scratch);
-        for &(label, reduces) in phases.iter().flat_map(|phase| &phase.shared) {
-            let copy = scratch.shared.column_mut(label);
-            match reduces {
-                true => reduction::clear(label.reduce(), copy),
-                false => copy.copy_from_slice(shared.column(label)),
-            }
-        }
-    }
-}
-
-/// Adds up what the workers reduced.
-fn collect(phases: &[Phase], scratch: &[Mutex<Scratch>], shared: &mut Shared) {
-    for scratch in scratch {
-        let mut scratch = lock(scratch);
-        for &(label, _) in phases.iter().flat_map(|phase| &phase.shared).filter(|(_, reduces)| *reduces) {
-            let part = scratch.shared.column_mut(label);
-            reduction::merge(label.reduce(), shared.column_mut(label), part);
-            // two phases of a wave may add to one label: it counts once
-            reduction::clear(label.reduce(), part);
-        }
-    }
-}
-
-/// The first phase of a tick that reduces a label starts it afresh; what is kept for each material, only for those
-/// whose step ends.
-fn begin(phase: &Phase, schedule: &Schedule, shared: &mut Shared) {
-    for &label in &phase.afresh {
-        let column = shared.column_mut(label);
-        match label.home() {
-            Home::Material => {
-                let tiles = column.chunks_exact_mut(label.width()).enumerate();
-                let ending = tiles.filter(|(material, _)| schedule.ends(*material));
-                ending.for_each(|(_, tile)| reduction::clear(label.reduce(), tile));
-            }
-            _ => reduction::clear(label.reduce(), column),
-        }
-    }
-}
-
-/// Memory of the lists of blocks of a phase, which are empty between phases.
-#[derive(Default)]
-struct Memory {
-    particles: Vec<(&'static Stage, &'static mut ParticleBlock)>,
-    nodes: Vec<&'static mut NodeBlock>,
-}
-
-/// An empty list that takes over the memory of another: no allocation a step.
-fn recycle<T, U>(mut list: Vec<T>) -> Vec<U> {
-    list.clear();
-    list.into_iter().map(|_| unreachable!("the list is empty")).collect()
+/// Runs a stage that has no place. All ranks do, with the same result; what it adds to sums counts on the first alone.
+fn once_for_all<const METERED: bool>(
+    context: &Context<'_>,
+    stage: &Stage,
+    shared: &mut Shared,
+    tally: &mut Tally,
+    rank: usize,
+) {
+    let sums = stage.touched.iter().filter(|a| a.mode.writes() && a.label.reduce() != Reduce::No);
+    let before: Vec<_> = match rank {
+        0 => Vec::new(),
+        _ => sums.map(|a| (a.label, shared.column(a.label).to_vec())).collect(),
+    };
+    stage::once::<METERED>(context, stage, shared, tally);
+    before.iter().for_each(|(label, lines)| shared.column_mut(*label).copy_from_slice(lines));
 }

@@ -118,6 +118,12 @@ impl Event {
         Self { messages: messages as u32, bytes: bytes as u64, ..self }
     }
 
+    /// Whether `next` is more of the same, begun as soon as this ended.
+    fn goes_on_with(&self, next: &Event, start: u64) -> bool {
+        let what = |e: &Event| (e.kind, e.place, e.material, e.patch, e.slab);
+        what(self) == what(next) && start.saturating_sub(self.start + self.duration) < JOINED
+    }
+
     /// As numbers, to be sent to another rank.
     pub fn to_words(self) -> [u64; Event::WORDS] {
         let two = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
@@ -153,6 +159,9 @@ pub struct Track {
     /// How many more did not fit.
     pub lost: u64,
 }
+
+/// Gaps that are not worth an event [ns].
+const JOINED: u64 = 2_000;
 
 /// Events that a worker may record, if nobody says otherwise: 72 bytes each.
 pub const BOUND: usize = 1 << 18;
@@ -203,6 +212,30 @@ impl Recorder {
             let duration = self.now().saturating_sub(start);
             let step = self.step.load(Ordering::Relaxed);
             self.push(&mut lock(track), Event { step, start, duration, ..event });
+        }
+    }
+
+    /// As [`Recorder::record`]; goes on with the worker's last event if that was the same and has just ended.
+    #[inline]
+    pub fn record_on(&self, worker: usize, start: u64, event: Event) {
+        let Some(track) = self.tracks.get(worker) else { return };
+        let mut track = lock(track);
+        match track.events.last_mut() {
+            Some(last) if last.goes_on_with(&event, start) => last.duration = self.now() - last.start,
+            _ => {
+                let (duration, step) = (self.now().saturating_sub(start), self.step.load(Ordering::Relaxed));
+                self.push(&mut track, Event { step, start, duration, ..event });
+            }
+        }
+    }
+
+    /// All workers have waited since their last event, or since `start`, for one that was at work longer.
+    pub fn record_idle(&self, start: u64, event: Event) {
+        for (worker, track) in self.tracks.iter().enumerate() {
+            let last = lock(track).events.last().map_or(0, |last| last.start + last.duration);
+            if self.now() > last.max(start) + JOINED {
+                self.record(worker, last.max(start), event);
+            }
         }
     }
 

@@ -63,6 +63,8 @@ pub struct Phase {
     pub settles: bool,
     /// Node labels that it reads across the faces of patches: other ranks must have sent theirs.
     pub halos: Vec<LabelId>,
+    /// Node labels of which it is the last to write what a later phase reads across the faces of patches.
+    pub sends: Vec<LabelId>,
     /// Labels that earlier phases reduced and that it reads: the parts of all ranks must be together.
     pub reductions: Vec<LabelId>,
 }

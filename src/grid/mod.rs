@@ -52,6 +52,19 @@ impl IndexBox {
         Self { lower: self.lower.map(|i| i - layers), upper: self.upper.map(|i| i + layers) }
     }
 
+    /// The indices that both boxes have.
+    pub fn common(&self, other: &Self) -> Self {
+        let lower: [i32; 3] = std::array::from_fn(|a| self.lower[a].max(other.lower[a]));
+        let upper = std::array::from_fn(|a| self.upper[a].min(other.upper[a]).max(lower[a]));
+        Self { lower, upper }
+    }
+
+    /// The smallest box around both.
+    pub fn around(&self, other: &Self) -> Self {
+        let lower = std::array::from_fn(|a| self.lower[a].min(other.lower[a]));
+        Self { lower, upper: std::array::from_fn(|a| self.upper[a].max(other.upper[a])) }
+    }
+
     /// All indices in x-major order.
     pub fn iter(self) -> impl Iterator<Item = [i32; 3]> {
         let Self { lower: [x0, y0, z0], upper: [x1, y1, z1] } = self;

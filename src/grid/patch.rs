@@ -1,4 +1,5 @@
 use super::{BlockIndex, IndexBox, Level};
+use std::cmp::Reverse;
 
 /// A box of whole blocks: the unit of ownership.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,20 +71,31 @@ impl Decomposition {
         Some(id)
     }
 
-    /// As many patches as asked for, or the next smaller number that fits, cut where the level is longest.
-    pub fn automatic(level: &Level, wanted: usize) -> [usize; 3] {
+    /// About as many patches as asked for, at least so many if the level has the blocks, cut where that spreads the load
+    /// best: `loads` are the occupied blocks with what each costs.
+    pub fn automatic(level: &Level, wanted: usize, loads: &[(BlockIndex, u64)]) -> [usize; 3] {
         let columns = level.block_columns();
         let mut counts = [1; 3];
         while counts.iter().product::<usize>() < wanted {
-            let length = |a: usize| columns[a] as f64 / counts[a] as f64;
-            let Some(axis) = (0..3)
-                .filter(|&a| 2 * counts[a] <= columns[a])
-                .max_by(|&a, &b| length(a).total_cmp(&length(b)))
-            else {
-                break;
+            let halved = |axis: usize| {
+                let mut counts = counts;
+                counts[axis] *= 2;
+                let heaviest = Self::new(level, counts).map(|it| it.loads(loads).into_iter().max());
+                // of two that are as good, the one that cuts the longer side
+                heaviest.map(|most| (most, Reverse(columns[axis] / counts[axis]), axis)).ok()
             };
+            let Some((.., axis)) = (0..3).filter_map(halved).min() else { break };
             counts[axis] *= 2;
         }
         counts
+    }
+
+    /// What the blocks of each patch cost together.
+    pub fn loads(&self, blocks: &[(BlockIndex, u64)]) -> Vec<u64> {
+        let mut loads = vec![0; self.patches.len()];
+        for &(block, load) in blocks {
+            self.owner(block).into_iter().for_each(|patch| loads[patch] += load);
+        }
+        loads
     }
 }

@@ -258,8 +258,10 @@ fn run(given: &Node) -> Run {
         viscosity: given.find("viscosity").map(viscosity),
         leaving: match given.get("leaving").word() {
             "delete" => Leaving::Delete,
+            "reflect" => Leaving::Reflect,
             _ => Leaving::Error,
         },
+        rebalance_every: given.get("rebalance-every").count(),
         patches: given.find("patches").map(Node::counts),
         threads: given.find("threads").map(Node::count),
     }
@@ -269,8 +271,18 @@ fn output(given: &Node, materials: &[Material]) -> Outcome<Output> {
     Ok(Output {
         frames: given.get("frames").count(),
         history_every: given.get("history-every").count(),
+        checkpoint: checkpoint(given.get("checkpoint")),
         wound: given.find("wound").map(|given| wound(given, materials)).transpose()?,
     })
+}
+
+fn checkpoint(given: &Node) -> Checkpoint {
+    Checkpoint {
+        steps: given.find("steps").map(Node::count),
+        time: given.find("time").map(Node::number),
+        wall: given.get("wall").number(),
+        kept: given.get("kept").count(),
+    }
 }
 
 fn wound(given: &Node, materials: &[Material]) -> Outcome<Wound> {

@@ -277,10 +277,17 @@ static RUN: &[Field] = &[
     Field::optional("viscosity", Form::Table(VISCOSITY), "Artificial viscosity; absent: none."),
     Field::with_default(
         "leaving",
-        Form::Choice(&["error", "delete"]),
+        Form::Choice(&["error", "delete", "reflect"]),
         Absent::Word("error"),
-        "A particle that leaves \
-        the domain stops the run, or is taken out and counted.",
+        "A particle that leaves the domain stops the run, is taken out, or is put back with its velocity mirrored at the face; \
+        the latter two are counted.",
+    ),
+    Field::with_default(
+        "rebalance-every",
+        count_from(0),
+        Absent::Count(100),
+        "Every so many steps patches move to other ranks, if their measured costs say that it pays; 0: never. It changes \
+        no bit of the result.",
     ),
     Field::optional("patches", COUNTS, "Patches along each axis; absent: chosen from the number of threads."),
     Field::optional("threads", count_from(1), "Threads; absent: all cores."),
@@ -315,7 +322,30 @@ static OUTPUT: &[Field] = &[
         Absent::Count(10),
         "A row of `history.csv` every so many steps.",
     ),
+    Field::with_default(
+        "checkpoint",
+        Form::Table(CHECKPOINT),
+        Absent::Empty,
+        "When to write a checkpoint, from which `sinew run --restart` goes on.",
+    ),
     Field::optional("wound", Form::Table(WOUND), "For `sinew wound`, if the scene is a shot through a slab."),
+];
+
+static CHECKPOINT: &[Field] = &[
+    Field::optional("steps", count_from(1), "Every so many steps, and at the end."),
+    Field::optional("time", positive(Time), "Every so much simulated time, and at the end."),
+    Field::with_default(
+        "wall",
+        not_negative(Time),
+        Absent::Number(600.0),
+        "Every so much time on the clock of the machine; 0: never.",
+    ),
+    Field::with_default(
+        "kept",
+        count_from(1),
+        Absent::Count(2),
+        "How many to keep: older ones are deleted when a new one is whole.",
+    ),
 ];
 
 /// Words of `output.wound.axis`: up and down x, y and z.

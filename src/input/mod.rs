@@ -7,6 +7,7 @@ mod error;
 mod fields;
 mod form;
 pub mod geometry;
+pub mod identity;
 pub mod lattice;
 mod read;
 pub mod scene;

@@ -221,6 +221,8 @@ pub enum Leaving {
     Error,
     /// It is taken out and counted.
     Delete,
+    /// It is put back inside, with its velocity mirrored at the face, and counted.
+    Reflect,
 }
 
 /// Numerics.
@@ -244,6 +246,8 @@ pub struct Run {
     pub viscosity: Option<Viscosity>,
     /// What happens to a particle that leaves the domain.
     pub leaving: Leaving,
+    /// Steps between two attempts to balance the load of ranks (0: none).
+    pub rebalance_every: u64,
     /// Patches along each axis; `None`: chosen from the number of threads.
     pub patches: Option<[usize; 3]>,
     /// Threads; `None`: all cores.
@@ -257,8 +261,23 @@ pub struct Output {
     pub frames: usize,
     /// A row of `history.csv` every so many steps.
     pub history_every: u64,
+    /// When to write checkpoints.
+    pub checkpoint: Checkpoint,
     /// For the wound table, if the scene is a shot through a slab.
     pub wound: Option<Wound>,
+}
+
+/// When to write checkpoints: whenever one of these says so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// Every so many steps.
+    pub steps: Option<u64>,
+    /// Every so much simulated time [s].
+    pub time: Option<f64>,
+    /// Every so much time on the clock of the machine [s]; 0: never.
+    pub wall: f64,
+    /// How many to keep.
+    pub kept: usize,
 }
 
 /// What `sinew wound` measures.

@@ -1,4 +1,5 @@
 //! What can go wrong with an output file: which file, what happened, what to do.
+use crate::exec::ranks::NetworkError;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -25,6 +26,9 @@ pub enum Error {
         /// What the library said.
         source: hdf5::Error,
     },
+    /// Ranks that cannot go on together.
+    #[error("{0}")]
+    Network(#[from] NetworkError),
     /// The file is readable, but does not hold what is needed.
     #[error("{}: {problem}", path.display())]
     Content {
@@ -33,6 +37,9 @@ pub enum Error {
         /// What is missing or wrong, and what to do.
         problem: String,
     },
+    /// Another rank failed, or is gone.
+    #[error("{0}")]
+    Ranks(String),
 }
 
 /// A result with [`Error`].

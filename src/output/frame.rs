@@ -11,7 +11,33 @@ pub struct Field {
     pub components: usize,
 }
 
-/// The particles at one time. All arrays have the same order of particles; the order may differ between frames.
+/// What a frame says about all its particles together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Head {
+    /// Simulated time [s].
+    pub time: f64,
+    /// Steps taken.
+    pub step: u64,
+    /// Number of particles, of all pieces together.
+    pub particles: usize,
+    /// The fields that every piece has.
+    pub fields: Vec<Field>,
+}
+
+/// Some particles of a frame: it is written piece by piece, so that nobody has to hold them all.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Piece {
+    /// Identity of each particle: constant over the run, unique over all materials.
+    pub identities: Vec<u64>,
+    /// Index of each particle's material.
+    pub materials: Vec<u8>,
+    /// Positions [m].
+    pub positions: Vec<[f32; 3]>,
+    /// The values of each field of the head, particle by particle, component fastest.
+    pub columns: Vec<Vec<f32>>,
+}
+
+/// The particles at one time, in memory. All arrays have the same order of particles; the order may differ between frames.
 pub trait Frame {
     /// Simulated time [s].
     fn time(&self) -> f64;

@@ -100,19 +100,31 @@ impl History {
         Ok(history)
     }
 
-    /// Goes on with a file after a restart: keeps the rows whose first column, the time [s], is at most `time`.
+    /// Goes on with a file after a restart: keeps the rows whose first column, the time [s], is at most `time`. Whoever
+    /// looks sees the old file or the new one, never half of one.
     ///
     /// # Errors
     /// If the file cannot be read or written.
     pub fn resume(path: &Path, columns: &[Column], time: f64) -> Result<Self> {
         let old = std::fs::read_to_string(path).map_err(io("read", path))?;
-        let mut history = Self::create(path, columns)?;
-        let early =
-            |line: &&str| line.split(',').next().and_then(|t| t.parse().ok()).is_some_and(|t: f64| t <= time);
-        for line in old.lines().skip(1).filter(early) {
-            history.line([line.to_string()].into_iter())?;
-        }
-        Ok(history)
+        let header = columns.iter().map(|column| quoted(&column.header())).collect::<Vec<_>>().join(",");
+        let early = |line: &&str| {
+            // a run that was killed may have left half a row
+            let first = line.ends_with('\n').then(|| line.split(',').next()).flatten();
+            first.and_then(|t| t.parse().ok()).is_some_and(|t: f64| t <= time)
+        };
+        let rows = old.split_inclusive('\n').skip(1).filter(early);
+        super::summary::write_whole(path, format!("{header}\n{}", rows.collect::<String>()).as_bytes())?;
+        let file = File::options().append(true).open(path).map_err(io("open", path))?;
+        Ok(Self { path: path.into(), file: BufWriter::new(file), columns: columns.len() })
+    }
+
+    /// Waits until the disk has all rows.
+    ///
+    /// # Errors
+    /// If it does not take them.
+    pub fn sync(&self) -> Result<()> {
+        self.file.get_ref().sync_data().map_err(io("write", &self.path))
     }
 
     /// Writes a row: one cell a column, in the order of the columns.

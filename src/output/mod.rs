@@ -1,4 +1,6 @@
 //! Files for people and for other programs.
+pub mod checkpoint;
+pub mod compare;
 mod error;
 pub mod frame;
 pub mod history;
@@ -10,4 +12,5 @@ pub mod trace;
 pub mod vtkhdf;
 pub mod wound;
 
+pub(crate) use error::io;
 pub use error::{Error, Result};

@@ -5,10 +5,11 @@
 //! under several names (hard links). Each frame starts on a chunk boundary, so appending never touches the bytes
 //! of an earlier frame; the frame counter is written last.
 mod reader;
+mod rows;
 mod writer;
 
 pub use reader::Reader;
-pub use writer::Writer;
+pub use writer::{CHUNK, Writer};
 
 /// Names inside the file.
 mod name {

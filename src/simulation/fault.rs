@@ -2,6 +2,7 @@
 use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
+use crate::exec::ranks::NetworkError;
 use crate::exec::relocate::Left;
 use crate::graph::error::GraphError;
 use crate::grid::Level;
@@ -18,6 +19,12 @@ pub enum RunError {
     /// Patches that do not fit the level.
     #[error("{0}")]
     Patches(String),
+    /// Ranks that cannot go on together.
+    #[error("{0}")]
+    Network(#[from] NetworkError),
+    /// A checkpoint that cannot be read, or does not fit.
+    #[error("{0}")]
+    Checkpoint(#[from] crate::output::Error),
     /// The pool of threads did not start.
     #[error("threads did not start: {0}; try fewer with --threads")]
     Pool(#[from] rayon::ThreadPoolBuildError),

@@ -10,8 +10,9 @@ fn mix(hash: u64, word: u64) -> u64 {
     h ^ h >> 33
 }
 
-/// The sum of a hash of each particle, all its numbers and its identity: order, patches and threads do not show.
-pub fn state_hash(warehouse: &Warehouse) -> u64 {
+/// The sum of a hash of each particle of this rank, all its numbers and its identity: order, patches and threads do not
+/// show. Sums of ranks add up (wrapping).
+pub fn particles(warehouse: &Warehouse) -> u64 {
     let mut record = Vec::new();
     let mut total = 0u64;
     for (material, block) in warehouse.blocks() {
@@ -24,6 +25,11 @@ pub fn state_hash(warehouse: &Warehouse) -> u64 {
             total = total.wrapping_add(record.iter().fold(start, |h, x| mix(h, x.to_bits())));
         }
     }
+    total
+}
+
+/// The hash of the state, from the sum over all particles.
+pub fn state(total: u64, warehouse: &Warehouse) -> u64 {
     let shared = warehouse.shared.column(LabelId::RigidMotion).iter().flat_map(|line| line.0);
     shared.fold(total, |h, x| mix(h, x.to_bits()))
 }

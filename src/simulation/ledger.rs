@@ -101,6 +101,8 @@ pub struct Report {
     pub deleted_energy: f64,
     /// Deleted particles.
     pub deleted: u64,
+    /// How often a particle was put back into the domain.
+    pub reflected: u64,
     /// What the accounts do not explain [J]: initial energy + boundary work − all energy now.
     pub residual: f64,
 }
@@ -129,6 +131,7 @@ pub struct Ledger {
     boundary_impulse: [f64; 3],
     deleted: u64,
     deleted_energy: f64,
+    reflected: u64,
     first_failure: Vec<[Option<FirstFailure>; 2]>,
 }
 
@@ -137,6 +140,46 @@ impl Ledger {
     pub fn begin(&mut self, report: &Report) {
         self.initial_energy = report.energy().total();
         self.first_failure = vec![[None; 2]; report.materials.len()];
+    }
+
+    /// The totals as numbers, for a checkpoint.
+    pub fn numbers(&self) -> Vec<f64> {
+        let [x, y, z] = self.boundary_impulse;
+        let mut numbers = vec![self.initial_energy, self.friction, self.impact, self.transfer];
+        numbers.extend([self.boundary_work, x, y, z, f64::from_bits(self.deleted), self.deleted_energy]);
+        numbers.push(f64::from_bits(self.reflected));
+        for first in self.first_failure.iter().flatten() {
+            numbers.extend(first.map_or([f64::NAN; 5], |f| {
+                [f.time, f64::from_bits(f.particle), f.position[0], f.position[1], f.position[2]]
+            }));
+        }
+        numbers
+    }
+
+    /// From its numbers; `None` if they are not those of a ledger of so many materials.
+    pub fn from_numbers(numbers: &[f64], materials: usize) -> Option<Self> {
+        let (totals, failures) = numbers.split_first_chunk::<11>()?;
+        let [initial_energy, friction, impact, transfer, boundary_work, x, y, z, rest @ ..] = *totals;
+        let [deleted, deleted_energy, reflected] = rest;
+        let first = |&[time, particle, x, y, z]: &[f64; 5]| {
+            let particle = particle.to_bits();
+            (!time.is_nan()).then_some(FirstFailure { time, particle, position: [x, y, z] })
+        };
+        let (failures, rest) = failures.as_chunks::<5>();
+        let first_failure: Vec<_> =
+            failures.as_chunks::<2>().0.iter().map(|pair| pair.each_ref().map(first)).collect();
+        (rest.is_empty() && first_failure.len() == materials).then_some(Self {
+            initial_energy,
+            friction,
+            impact,
+            transfer,
+            boundary_work,
+            boundary_impulse: [x, y, z],
+            deleted: deleted.to_bits(),
+            deleted_energy,
+            reflected: reflected.to_bits(),
+            first_failure,
+        })
     }
 
     /// Adds what the last step exchanged.
@@ -157,6 +200,11 @@ impl Ledger {
                 *known = Some(FirstFailure { time, particle: particle as u64, position: [x, y, z] });
             }
         }
+    }
+
+    /// Counts particles that came back into the domain.
+    pub fn reflect(&mut self, particles: u64) {
+        self.reflected += particles;
     }
 
     /// Counts a particle that left the domain.
@@ -182,6 +230,7 @@ impl Ledger {
             boundary_impulse: self.boundary_impulse,
             deleted_energy: self.deleted_energy,
             deleted: self.deleted,
+            reflected: self.reflected,
             residual: 0.0,
         };
         let lost = self.friction + self.impact + self.transfer + self.deleted_energy;

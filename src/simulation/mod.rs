@@ -1,13 +1,19 @@
 //! A run: a scene becomes particles and graphs, steps are taken, faults become errors.
+mod balance;
+mod checkpoint;
 pub mod fault;
 mod hash;
+pub mod layout;
 pub mod ledger;
 mod meter;
+mod parcel;
 mod populate;
 pub mod rates;
 pub mod recorder;
 mod snapshot;
+mod together;
 
+pub use balance::Balance;
 pub use fault::RunError;
 pub use ledger::{Energies, Ledger, MaterialReport, Report};
 pub use snapshot::Snapshot;
@@ -16,15 +22,17 @@ use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
 use crate::exec::meter::What;
-use crate::exec::ranks::{Alone, Network};
-use crate::exec::relocate;
+use crate::exec::ranks::{Alone, Network, NetworkError, collective};
+use crate::exec::relocate::Relocation;
 use crate::exec::{Engine, Executor, Serial, Threads};
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
-use crate::grid::{Decomposition, Level, Partition};
+use crate::grid::Partition;
 use crate::input::scene::{Behavior, Leaving, Rates, Scene};
+use crate::output;
 use crate::simd::Isa;
 use crate::tasks::timestep;
+use std::path::Path;
 
 /// Labels that runs want besides what the next step reads.
 const WANTED: &[LabelId] = &[
@@ -99,6 +107,7 @@ pub struct Simulation {
     ledger: Ledger,
     steps: u64,
     updates: u64,
+    balance: Balance,
 }
 
 impl Simulation {
@@ -115,39 +124,37 @@ impl Simulation {
     /// # Errors
     /// Patches that do not fit, or threads that do not start.
     pub fn on(network: Box<dyn Network>, scene: Scene, isa: Isa) -> Result<Self, RunError> {
-        let level = Level { lower: scene.domain.lower, cell: scene.domain.cell, cells: scene.domain.cells };
         let threads = scene.run.threads.unwrap_or_else(available_threads);
-        let counts = scene
-            .run
-            .patches
-            .unwrap_or_else(|| Decomposition::automatic(&level, 8 * threads * network.size()));
-        let decomposition = Decomposition::new(&level, counts).map_err(RunError::Patches)?;
+        let (decomposition, loads) =
+            layout::decompose(&scene, 8 * threads * network.size()).map_err(RunError::Patches)?;
         let patches = decomposition.patches.len();
-        let partition = match network.size() {
-            1 => Partition::alone(patches),
-            ranks => {
-                let costs = populate::counts(&scene, &level, &decomposition);
-                Partition::by_cost(&decomposition, &costs, network.rank(), ranks)
-                    .map_err(RunError::Patches)?
-            }
-        };
+        let partition = Partition::by_cost(&decomposition, &loads, network.rank(), network.size())
+            .map_err(RunError::Patches)?;
         let graph = step_graph(&scene, patches)?;
         let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
         let start = TaskGraph::build(timestep::start(&scene), WANTED, patches)?;
 
-        let mut warehouse = populate::populate(&scene, level, decomposition, partition, &graph)?;
+        let mut warehouse = populate::populate(&scene, decomposition, partition, &graph)?;
         warehouse.own_rates = scene.run.rates != Rates::Common;
         let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
         let ledger = Ledger::default();
+        let (steps, updates, balance) = (0, 0, Balance::default());
         let mut simulation =
-            Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps: 0, updates: 0 };
-        simulation.engine.run(&start, &mut simulation.warehouse);
-        simulation.check_faults()?;
-        simulation.relocate()?;
+            Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps, updates, balance };
+        simulation.begin(&start)?;
         simulation.updates = 0;
-        let report = simulation.report();
+        let report = simulation.report()?;
         simulation.ledger.begin(&report);
         Ok(simulation)
+    }
+
+    /// The state before the first step.
+    fn begin(&mut self, start: &TaskGraph) -> Result<(), RunError> {
+        let Self { engine, warehouse, network, .. } = self;
+        engine.run(start, warehouse, &mut **network)?;
+        let relocation = engine.relocate(start, warehouse, &mut **network, false)?;
+        self.check_faults()?;
+        self.carry_out(relocation)
     }
 
     /// Takes one step, after which all materials are together; returns false when the end of the run was reached before.
@@ -163,12 +170,17 @@ impl Simulation {
             self.tick()?;
         }
         self.steps += 1;
+        self.share_load()?;
         Ok(true)
     }
 
     /// The part of a step that the fastest material takes at once.
     fn tick(&mut self) -> Result<(), RunError> {
-        self.engine.run(&self.graph, &mut self.warehouse);
+        self.engine.trace().set_step(self.steps);
+        let reflect = self.scene.run.leaving == Leaving::Reflect;
+        let Self { engine, graph, warehouse, network, .. } = self;
+        engine.run(graph, warehouse, &mut **network)?;
+        let relocation = engine.relocate(graph, warehouse, &mut **network, reflect)?;
         let mut clock = self.clock();
         self.check_step(&clock)?;
         self.check_faults()?;
@@ -176,7 +188,7 @@ impl Simulation {
         clock.time = if clock.number < clock.last { clock.time + clock.step } else { clock.end };
         self.warehouse.shared.set(LabelId::Time, 0, clock);
         self.ledger.add_step(&self.warehouse.shared);
-        self.relocate()
+        self.carry_out(relocation)
     }
 
     /// Goes on with other time steps, from the next step on.
@@ -188,6 +200,17 @@ impl Simulation {
         self.graph = step_graph(&self.scene, self.warehouse.decomposition.patches.len())?;
         self.warehouse.own_rates = rates != Rates::Common;
         self.warehouse.stale = true;
+        Ok(())
+    }
+
+    /// Gives each patch to a rank, between two steps. All ranks call it, with the same list.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn set_ranks(&mut self, of: Vec<u32>) -> Result<(), RunError> {
+        let Self { engine, warehouse, network, .. } = self;
+        let partition = Partition::new(of, network.rank(), network.size());
+        engine.migrate(partition, warehouse, &mut **network)?;
         Ok(())
     }
 
@@ -228,6 +251,21 @@ impl Simulation {
         &mut *self.network
     }
 
+    /// Records from now on what each worker does, at most `bound` events a worker.
+    pub fn set_trace(&mut self, bound: usize) {
+        self.engine.set_trace(bound);
+    }
+
+    /// Writes what was recorded on all ranks, from rank 0.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or a rank that is gone.
+    pub fn write_trace(&mut self, path: &Path) -> output::Result<()> {
+        let Self { engine, graph, network, .. } = self;
+        let written = output::trace::write(path, graph, engine.trace(), &mut **network);
+        together::agree(&mut **network, written)
+    }
+
     /// Instruction set that runs.
     pub fn isa(&self) -> Isa {
         self.engine.isa()
@@ -238,33 +276,43 @@ impl Simulation {
         self.engine.workers()
     }
 
-    /// Energies, momenta and failures now.
-    pub fn report(&mut self) -> Report {
-        self.engine.run(&self.report_graph, &mut self.warehouse);
-        self.ledger.report(&self.scene, &self.warehouse, self.steps)
+    /// Energies, momenta and failures now, over all ranks.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn report(&mut self) -> Result<Report, NetworkError> {
+        let Self { engine, report_graph: graph, warehouse, network, .. } = self;
+        engine.run(graph, warehouse, &mut **network)?;
+        engine.reduce(None, &graph.at_end, &mut warehouse.shared, &mut **network)?;
+        let mut report = self.ledger.report(&self.scene, &self.warehouse, self.steps);
+        together::count_particles(&mut *self.network, &mut report)?;
+        Ok(report)
     }
 
-    /// One number that changes with any bit of any particle, whatever the order, patches and threads.
-    pub fn state_hash(&self) -> u64 {
-        hash::state_hash(&self.warehouse)
+    /// One number that changes with any bit of any particle, whatever the order, patches, threads and ranks.
+    pub fn state_hash(&mut self) -> u64 {
+        let mut total = [hash::particles(&self.warehouse)];
+        // a rank that is gone stops the next exchange of a step or of output
+        let _ = collective::sum(&mut *self.network, &mut total);
+        hash::state(total[0], &self.warehouse)
     }
 
-    /// The particles, for output.
+    /// The particles of this rank, for output.
     pub fn snapshot(&self) -> Snapshot<'_> {
-        Snapshot::new(self)
+        Snapshot::new(&self.scene, &self.warehouse)
     }
 
-    fn relocate(&mut self) -> Result<(), RunError> {
-        let (warehouse, engine) = (&mut self.warehouse, &self.engine);
-        let moved = |material: usize| engine.ended(material);
-        let relocate = || relocate::relocate(warehouse, moved);
-        let (left, particles) = engine.metered(What::Relocation, relocate);
-        self.updates += particles;
-        let Some(first) = left.first() else { return Ok(()) };
-        if self.scene.run.leaving == Leaving::Error {
-            return Err(fault::left(&self.scene, first, left.len(), self.clock().time));
+    fn carry_out(&mut self, relocation: Relocation) -> Result<(), RunError> {
+        self.updates += relocation.particles;
+        self.ledger.reflect(relocation.reflected);
+        if let Some(first) = relocation.left().first() {
+            if self.scene.run.leaving == Leaving::Error {
+                return Err(fault::left(&self.scene, first, relocation.left().len(), self.clock().time));
+            }
+            relocation.left().iter().for_each(|particle| self.ledger.delete(particle));
         }
-        left.iter().for_each(|particle| self.ledger.delete(particle));
+        let (warehouse, engine) = (&mut self.warehouse, &self.engine);
+        engine.metered(What::Relocation, || relocation.carry_out(warehouse));
         Ok(())
     }
 

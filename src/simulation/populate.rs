@@ -1,11 +1,12 @@
 //! From bodies to particles.
 use super::fault::RunError;
+use super::layout;
 use crate::data::labels::LabelId;
 use crate::data::particles::Layout;
 use crate::data::shared::{Clock, RigidState};
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::graph::build::TaskGraph;
-use crate::grid::{Decomposition, Level, Partition};
+use crate::grid::{Decomposition, Partition};
 use crate::input::lattice;
 use crate::input::scene::{Behavior, Body, RigidMotion, Scene};
 use crate::physics::law::{Law, Variable};
@@ -13,32 +14,17 @@ use crate::physics::materials::WithLaw;
 use crate::tasks::timestep;
 use nalgebra::{Matrix3, Vector3};
 
-/// Number of particles of `scene` in each patch.
-pub fn counts(scene: &Scene, level: &Level, decomposition: &Decomposition) -> Vec<u64> {
-    let mut counts = vec![0; decomposition.patches.len()];
-    for body in &scene.bodies {
-        let half_size = timestep::half_size(scene, body.material);
-        for x in lattice::sample(scene, body) {
-            let block = Level::block_of(level.base_node(x, half_size));
-            decomposition.owner(block).into_iter().for_each(|patch| counts[patch] += 1);
-        }
-    }
-    counts
-}
-
 /// A warehouse with the particles of `scene` in the patches of this rank, with the labels that `graph` uses.
 ///
 /// # Errors
 /// Bodies that do not fit the level, or differ in resolution within a material.
 pub fn populate(
     scene: &Scene,
-    level: Level,
     decomposition: Decomposition,
     partition: Partition,
     graph: &TaskGraph,
 ) -> Result<Warehouse, RunError> {
-    let materials = (0..scene.materials.len()).map(|m| material_data(scene, graph, m)).collect();
-    let mut warehouse = Warehouse::new(level, decomposition, partition, materials);
+    let mut warehouse = empty(scene, decomposition, partition, graph);
     let mut identity = 0;
     for body in &scene.bodies {
         let first = scene.bodies.iter().find(|b| b.material == body.material);
@@ -52,6 +38,17 @@ pub fn populate(
     warehouse.shared.set(LabelId::Time, 0, clock);
     (0..scene.materials.len()).for_each(|m| start_rigid(scene, &mut warehouse, m));
     Ok(warehouse)
+}
+
+/// The same without particles.
+pub fn empty(
+    scene: &Scene,
+    decomposition: Decomposition,
+    partition: Partition,
+    graph: &TaskGraph,
+) -> Warehouse {
+    let materials = (0..scene.materials.len()).map(|m| material_data(scene, graph, m)).collect();
+    Warehouse::new(layout::level(scene), decomposition, partition, materials)
 }
 
 /// The history that a material's law keeps.

@@ -1,113 +1,153 @@
 //! The particles of a running simulation, as output sees them.
-use super::Simulation;
 use super::populate::history_of;
 use crate::data::labels::LabelId;
 use crate::data::particles::{Layout, ParticleBlock};
-use crate::output::frame::{Field, Frame};
+use crate::data::warehouse::Warehouse;
+use crate::input::scene::Scene;
+use crate::output::frame::{Field, Piece};
+use crate::output::vtkhdf::CHUNK;
+use crate::simd::LANES;
+use std::ops::Range;
 
-/// A borrowed view of all particles: patch by patch, material by material, block by block.
+/// A borrowed view of this rank's particles: patch by patch, material by material, block by block.
 pub struct Snapshot<'a> {
-    simulation: &'a Simulation,
+    warehouse: &'a Warehouse,
+    fields: Vec<Field>,
+    /// Where the numbers of each field are, material by material.
+    sources: Vec<Vec<Source>>,
+}
+
+/// What a field shows of a material.
+#[derive(Clone, Copy)]
+enum Source {
+    Nothing,
+    Velocity,
+    VolumeRatio,
+    Pressure,
+    VonMises,
+    /// A number of the law's history.
+    History(usize),
 }
 
 impl<'a> Snapshot<'a> {
-    /// The present state of `simulation`.
-    pub fn new(simulation: &'a Simulation) -> Self {
-        Self { simulation }
+    /// The present state of a simulation of `scene`.
+    pub fn new(scene: &Scene, warehouse: &'a Warehouse) -> Self {
+        let fields = fields(scene);
+        let of_material = |m: usize| {
+            let deformable = warehouse.materials[m].layout.widths[LabelId::KirchhoffStress as usize] > 0;
+            let history = history_of(&scene.materials[m].behavior);
+            let source = |field: &Field| match field.name.as_str() {
+                "velocity" => Source::Velocity,
+                "volume_ratio" if deformable => Source::VolumeRatio,
+                "pressure" if deformable => Source::Pressure,
+                "von_mises" if deformable => Source::VonMises,
+                name => history.iter().position(|v| v.name == name).map_or(Source::Nothing, Source::History),
+            };
+            fields.iter().map(source).collect()
+        };
+        let sources = (0..scene.materials.len()).map(of_material).collect();
+        Self { warehouse, fields, sources }
     }
 
-    /// Runs `visit` on every particle: material, layout, block, position in the block.
-    fn each(&self, mut visit: impl FnMut(usize, &Layout, &ParticleBlock, usize)) {
-        for (material, block) in self.simulation.warehouse.blocks() {
-            let layout = &self.simulation.warehouse.materials[material].layout;
-            (0..block.count).for_each(|particle| visit(material, layout, block, particle));
+    /// Number of particles.
+    pub fn particles(&self) -> usize {
+        self.warehouse.particle_count()
+    }
+
+    /// The fields of every piece.
+    pub fn fields(&self) -> &[Field] {
+        &self.fields
+    }
+
+    /// Gives all particles to `take`, piece by piece. The first of them is row `row` of the frame; pieces end where
+    /// chunks of the file do.
+    pub fn pieces(&self, mut row: usize, mut take: impl FnMut(Piece)) {
+        let mut piece = self.piece();
+        for (material, block) in self.warehouse.blocks() {
+            let mut begin = 0;
+            while begin < block.count {
+                let end = block.count.min(begin + CHUNK - row % CHUNK);
+                self.add(&mut piece, material, block, begin..end);
+                row += end - begin;
+                begin = end;
+                if row.is_multiple_of(CHUNK) {
+                    take(std::mem::replace(&mut piece, self.piece()));
+                }
+            }
+        }
+        if !piece.positions.is_empty() {
+            take(piece);
         }
     }
 
-    fn collect<T>(&self, mut value: impl FnMut(usize, &Layout, &ParticleBlock, usize) -> T) -> Vec<T> {
-        let mut values = Vec::with_capacity(self.particles());
-        self.each(|m, layout, block, p| values.push(value(m, layout, block, p)));
-        values
+    fn piece(&self) -> Piece {
+        let columns = vec![Vec::new(); self.fields.len()];
+        Piece { columns, ..Piece::default() }
+    }
+
+    fn add(&self, piece: &mut Piece, material: usize, block: &ParticleBlock, rows: Range<usize>) {
+        let layout = &self.warehouse.materials[material].layout;
+        let get = |label, component| numbers(layout, block, label, component, rows.clone());
+        piece.identities.extend(get(LabelId::Identity, 0).map(f64::to_bits));
+        piece.materials.resize(piece.materials.len() + rows.len(), material as u8);
+        let [x, y, z] = [0, 1, 2].map(|a| get(LabelId::Position, a));
+        piece.positions.extend(x.zip(y).zip(z).map(|((x, y), z)| [x, y, z].map(|x| x as f32)));
+        for (i, (column, source)) in piece.columns.iter_mut().zip(&self.sources[material]).enumerate() {
+            let ratio =
+                || get(LabelId::Volume, 0).zip(get(LabelId::InitialVolume, 0)).map(|(now, then)| now / then);
+            let stress = || rows.clone().zip(ratio()).map(|(p, j)| pressure_and_mises(layout, block, p, j));
+            match *source {
+                Source::Nothing => column.extend(vec![f32::NAN; rows.len() * self.fields[i].components]),
+                Source::Velocity => {
+                    let [x, y, z] = [0, 1, 2].map(|a| get(LabelId::Velocity, a));
+                    column.extend(x.zip(y).zip(z).flat_map(|((x, y), z)| [x, y, z].map(|x| x as f32)));
+                }
+                Source::VolumeRatio => column.extend(ratio().map(|x| x as f32)),
+                Source::Pressure => column.extend(stress().map(|[pressure, _]| pressure as f32)),
+                Source::VonMises => column.extend(stress().map(|[_, mises]| mises as f32)),
+                Source::History(number) => {
+                    column.extend(get(LabelId::History, number).map(|x| x as f32));
+                }
+            }
+        }
     }
 }
 
-/// Mean Cauchy stress with the sign of a pressure, and von Mises stress [Pa].
-fn pressure_and_mises(layout: &Layout, block: &ParticleBlock, p: usize) -> [f64; 2] {
-    let j = block.get(layout, LabelId::Volume, p, 0) / block.get(layout, LabelId::InitialVolume, p, 0);
+/// What every frame shows, and the histories of the laws.
+fn fields(scene: &Scene) -> Vec<Field> {
+    let field =
+        |name: &str, unit: &str, components| Field { name: name.into(), unit: unit.into(), components };
+    let mut fields = vec![
+        field("velocity", "m/s", 3),
+        field("volume_ratio", "1", 1),
+        field("pressure", "Pa", 1),
+        field("von_mises", "Pa", 1),
+    ];
+    for variable in scene.materials.iter().flat_map(|m| history_of(&m.behavior)) {
+        if !fields.iter().any(|f| f.name == variable.name) {
+            fields.push(field(variable.name, variable.unit, 1));
+        }
+    }
+    fields
+}
+
+/// One number of some particles of a block.
+fn numbers<'a>(
+    layout: &Layout,
+    block: &'a ParticleBlock,
+    label: LabelId,
+    component: usize,
+    rows: Range<usize>,
+) -> impl Iterator<Item = f64> + 'a {
+    let (column, width) = (block.column(layout, label), layout.widths[label as usize]);
+    rows.map(move |p| column[p / LANES * width + component].0[p % LANES])
+}
+
+/// Mean Cauchy stress with the sign of a pressure, and von Mises stress [Pa], at a volume ratio `j`.
+fn pressure_and_mises(layout: &Layout, block: &ParticleBlock, p: usize, j: f64) -> [f64; 2] {
     let s: [f64; 6] = std::array::from_fn(|c| block.get(layout, LabelId::KirchhoffStress, p, c) / j);
     let mean = (s[0] + s[3] + s[5]) / 3.0;
     let normal = [0, 3, 5].map(|c| (s[c] - mean).powi(2)).iter().sum::<f64>();
     let shear = [1, 2, 4].map(|c| s[c] * s[c]).iter().sum::<f64>();
     [-mean, (1.5 * normal + 3.0 * shear).sqrt()]
-}
-
-impl Frame for Snapshot<'_> {
-    fn time(&self) -> f64 {
-        self.simulation.clock().time
-    }
-
-    fn step(&self) -> u64 {
-        self.simulation.steps()
-    }
-
-    fn particles(&self) -> usize {
-        self.simulation.warehouse.particle_count()
-    }
-
-    fn identities(&self) -> Vec<u64> {
-        self.collect(|_, layout, block, p| block.get(layout, LabelId::Identity, p, 0).to_bits())
-    }
-
-    fn materials(&self) -> Vec<u8> {
-        self.collect(|m, _, _, _| m as u8)
-    }
-
-    fn positions(&self) -> Vec<[f32; 3]> {
-        self.collect(|_, layout, block, p| {
-            [0, 1, 2].map(|a| block.get(layout, LabelId::Position, p, a) as f32)
-        })
-    }
-
-    fn fields(&self) -> Vec<Field> {
-        let field =
-            |name: &str, unit: &str, components| Field { name: name.into(), unit: unit.into(), components };
-        let mut fields = vec![
-            field("velocity", "m/s", 3),
-            field("volume_ratio", "1", 1),
-            field("pressure", "Pa", 1),
-            field("von_mises", "Pa", 1),
-        ];
-        for variable in self.simulation.scene.materials.iter().flat_map(|m| history_of(&m.behavior)) {
-            if !fields.iter().any(|f| f.name == variable.name) {
-                fields.push(field(variable.name, variable.unit, 1));
-            }
-        }
-        fields
-    }
-
-    fn column(&self, field: &Field) -> Vec<f32> {
-        let histories: Vec<Option<usize>> = self
-            .simulation
-            .scene
-            .materials
-            .iter()
-            .map(|m| history_of(&m.behavior).iter().position(|v| v.name == field.name))
-            .collect();
-        let mut values = Vec::with_capacity(self.particles() * field.components);
-        self.each(|m, layout, block, p| {
-            let get = |label, c| block.get(layout, label, p, c);
-            let deformable = layout.widths[LabelId::KirchhoffStress as usize] > 0;
-            match field.name.as_str() {
-                "velocity" => values.extend([0, 1, 2].map(|a| get(LabelId::Velocity, a) as f32)),
-                "volume_ratio" | "pressure" | "von_mises" if !deformable => values.push(f32::NAN),
-                "volume_ratio" => {
-                    values.push((get(LabelId::Volume, 0) / get(LabelId::InitialVolume, 0)) as f32);
-                }
-                "pressure" => values.push(pressure_and_mises(layout, block, p)[0] as f32),
-                "von_mises" => values.push(pressure_and_mises(layout, block, p)[1] as f32),
-                _ => values.push(histories[m].map_or(f32::NAN, |c| get(LabelId::History, c) as f32)),
-            }
-        });
-        values
-    }
 }

@@ -41,7 +41,7 @@ pub fn start(scene: Scene) -> Simulation {
 /// Steps to the end of the run.
 pub fn finish(simulation: &mut Simulation) -> Result<Report, RunError> {
     while simulation.step()? {}
-    Ok(simulation.report())
+    Ok(simulation.report()?)
 }
 
 /// The report at the end of a scene.

@@ -126,7 +126,7 @@ fn start(args: &Args, scene: &Scene) -> Result<f64, Failure> {
 
 /// Steps until the state to measure.
 fn advance(simulation: &mut Simulation, at: f64, title: &str, quiet: bool) -> Result<(), Failure> {
-    let mut progress = Progress::begin(title, simulation, quiet).until(at);
+    let mut progress = Progress::begin(title, simulation, quiet)?.until(at);
     while simulation.clock().time < at && simulation.step()? {
         progress.step(simulation);
     }

@@ -1,5 +1,6 @@
 //! How a subcommand fails: what is printed, and the exit status.
 use miette::Report;
+use sinew::exec::ranks::launch::Launch;
 use sinew::input::SceneError;
 use sinew::output;
 use sinew::simulation::RunError;
@@ -11,6 +12,12 @@ pub enum Failure {
     Usage(Report),
     /// A run that failed: exit status 1.
     Run(String),
+    /// A failure of this rank alone: exit status 1.
+    Local(String),
+    /// A failure that another rank tells: the exit status.
+    Elsewhere(u8),
+    /// A run that a signal ended in good order: what to say, and the exit status.
+    Interrupted(String, u8),
 }
 
 impl Failure {
@@ -19,18 +26,35 @@ impl Failure {
         Failure::Usage(miette::miette!("{message}"))
     }
 
-    /// Prints the message; the exit status.
-    pub fn report(self) -> ExitCode {
+    /// The exit status.
+    pub fn status(&self) -> u8 {
         match self {
-            Failure::Usage(report) => {
-                eprintln!("{report:?}");
-                ExitCode::from(2)
-            }
-            Failure::Run(message) => {
-                eprintln!("error: {message}");
-                ExitCode::from(1)
-            }
+            Failure::Usage(_) => 2,
+            Failure::Run(_) | Failure::Local(_) => 1,
+            Failure::Interrupted(_, status) | Failure::Elsewhere(status) => *status,
         }
+    }
+
+    /// What there is to say; nothing, where another rank says it.
+    pub fn message(&self) -> String {
+        match self {
+            Failure::Usage(report) => format!("{report:?}"),
+            Failure::Run(message) | Failure::Local(message) => format!("error: {message}"),
+            Failure::Interrupted(message, _) => message.clone(),
+            Failure::Elsewhere(_) => String::new(),
+        }
+    }
+
+    /// Prints the message; the exit status. What all ranks know, the first alone says.
+    pub fn report(self) -> ExitCode {
+        let rank = Launch::of_this_process().rank;
+        match (&self, rank) {
+            (Failure::Elsewhere(_), _) => {}
+            (_, 0) => eprintln!("{}", self.message()),
+            (Failure::Local(_), _) => eprintln!("on rank {rank}: {}", self.message()),
+            _ => {}
+        }
+        ExitCode::from(self.status())
     }
 }
 
@@ -52,7 +76,8 @@ impl From<RunError> for Failure {
             RunError::Patches(_)
             | RunError::Resolution { .. }
             | RunError::Outside { .. }
-            | RunError::Pool(_) => Failure::usage(error),
+            | RunError::Checkpoint(_) => Failure::usage(error),
+            RunError::Pool(_) | RunError::Network(_) => Failure::Local(error.to_string()),
             error => Failure::Run(error.to_string()),
         }
     }

@@ -39,7 +39,7 @@ pub struct Args {
     /// Output form
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Ranks that share the patches (default: eight patches a rank, as a run with one thread each)
+    /// Ranks that share the patches (default patches: one a rank; a run cuts eight a thread)
     #[arg(long, value_name = "N", default_value_t = 1)]
     ranks: usize,
     /// One node a task and patch, instead of one a task
@@ -62,28 +62,21 @@ pub struct Args {
     trace: Option<PathBuf>,
 }
 
-/// Patches a rank, if nobody says how many.
-const PATCHES: usize = 8;
-
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = args.scene.read()?;
-    let level = plan::level(&scene);
-    let wanted = if args.ranks > 1 { PATCHES * args.ranks } else { 1 };
-    let counts = scene.run.patches.unwrap_or_else(|| Decomposition::automatic(&level, wanted));
-    let decomposition = Decomposition::new(&level, counts).map_err(Failure::usage)?;
-    let patches = decomposition.patches.len();
+    let plan = plan::plan(&scene, args.ranks).map_err(Failure::usage)?;
+    let patches = plan.decomposition.patches.len();
     let mut graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
     if let Some(what) = &args.why {
         return why(&scene, &graph, what);
     }
     if args.check {
-        return check(&scene, patches, &decomposition);
+        return check(&scene, patches, &plan.decomposition);
     }
     outside("patch", args.patch, patches)?;
     outside("rank", args.rank, args.ranks)?;
     let measured = args.trace.as_deref().map(trace::read).transpose().map_err(Failure::usage)?;
-    let plan = plan::plan(&scene, counts, args.ranks).map_err(Failure::usage)?;
     if args.format == Format::Html {
         // the page is for people: they want the line
         for entry in graph.recipe.entries.iter_mut().filter(|entry| !entry.because.is_empty()) {

@@ -1,12 +1,16 @@
 //! The `sinew` command: one file a subcommand.
 mod bench;
 mod check;
+mod compare;
 mod fail;
 mod graph;
 mod picture;
 mod progress;
+mod ranks;
+mod restart;
 mod run;
 mod scene_docs;
+mod signals;
 mod wound;
 
 use clap::{Parser, Subcommand};
@@ -14,7 +18,8 @@ use std::process::ExitCode;
 
 /// Coupled solids by the material point method: tissue that fails, metal that yields, rigid tools.
 ///
-/// Exit status: 0 success, 1 a run that failed, 2 bad usage or a bad scene.
+/// Exit status: 0 success, 1 a run that failed, 2 bad usage or a bad scene, 128 + n a run
+/// that signal n ended.
 #[derive(Parser)]
 #[command(name = "sinew", version, propagate_version = true)]
 struct Cli {
@@ -29,6 +34,7 @@ enum Command {
     Graph(graph::Args),
     Wound(wound::Args),
     Picture(picture::Args),
+    Compare(compare::Args),
     Bench(bench::Args),
     SceneDocs(scene_docs::Args),
 }
@@ -63,6 +69,7 @@ fn main() -> ExitCode {
         Command::Graph(args) => graph::run(&args),
         Command::Wound(args) => wound::run(&args),
         Command::Picture(args) => picture::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::SceneDocs(args) => scene_docs::run(&args),
     };

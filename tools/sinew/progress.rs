@@ -1,6 +1,8 @@
 //! Progress of a run: a bar on a terminal, plain lines elsewhere.
+use super::fail::Failure;
 use indicatif::{ProgressBar, ProgressStyle};
-use sinew::simulation::Simulation;
+use sinew::exec::ranks::collective;
+use sinew::simulation::{RunError, Simulation};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
@@ -16,11 +18,23 @@ pub struct Progress {
     next_line: f64,
     /// Simulated time at which it is done [s].
     until: f64,
+    /// The part that was done, and the particles moved, before it began.
+    before: (f64, u64),
+    /// The part of all particles that is on this rank.
+    share: f64,
 }
 
 impl Progress {
     /// Announces the run.
-    pub fn begin(title: &str, simulation: &Simulation, quiet: bool) -> Self {
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn begin(title: &str, simulation: &mut Simulation, quiet: bool) -> Result<Self, Failure> {
+        let mine = simulation.warehouse.particle_count();
+        let mut count = [mine as u64];
+        let ranks = simulation.network().size();
+        collective::sum(simulation.network(), &mut count).map_err(RunError::from)?;
+        let quiet = quiet || simulation.network().rank() > 0;
         let terminal = std::io::stderr().is_terminal();
         let bar = (terminal && !quiet).then(|| {
             let bar = ProgressBar::new(TICKS);
@@ -33,14 +47,18 @@ impl Progress {
             let [a, b, c] = simulation.warehouse.decomposition.counts;
             eprintln!("{title}");
             eprintln!(
-                "{} particles, {a}x{b}x{c} patches, {} threads, {}",
-                simulation.warehouse.particle_count(),
+                "{} particles, {a}x{b}x{c} patches, {}{} threads, {}",
+                count[0],
+                if ranks > 1 { format!("{ranks} ranks of ") } else { String::new() },
                 simulation.threads(),
                 simulation.isa().name()
             );
         }
         let now = Instant::now();
-        Self { bar, quiet, began: now, shown: now, next_line: 0.05, until: simulation.scene.run.until }
+        let until = simulation.scene.run.until;
+        let before = (fraction(simulation, until), simulation.updates());
+        let share = mine as f64 / count[0].max(1) as f64;
+        Ok(Self { bar, quiet, began: now, shown: now, next_line: before.0 + 0.05, until, before, share })
     }
 
     /// Counts to a time before the end of the run [s].
@@ -53,7 +71,7 @@ impl Progress {
         if self.quiet {
             return;
         }
-        let done = self.fraction(simulation);
+        let done = fraction(simulation, self.until);
         let due = match self.bar {
             Some(_) => self.shown.elapsed() > Duration::from_millis(200),
             None => done >= self.next_line || self.shown.elapsed() > Duration::from_secs(20),
@@ -64,14 +82,14 @@ impl Progress {
         self.shown = Instant::now();
         self.next_line = done + 0.05;
         let spent = self.began.elapsed().as_secs_f64();
-        let left = spent * (1.0 - done) / done.max(1e-9);
+        let left = spent * (1.0 - done) / (done - self.before.0).max(1e-9);
         let clock = simulation.clock();
         let message = format!(
             "step {}  t {:.4} ms  dt {:.1} ns  {:.2} M updates/s  {} left",
             simulation.steps(),
             1e3 * clock.time,
             1e9 * clock.step,
-            simulation.updates() as f64 / spent / 1e6,
+            (simulation.updates() - self.before.1) as f64 / self.share / spent / 1e6,
             duration(left)
         );
         match &self.bar {
@@ -83,19 +101,20 @@ impl Progress {
         }
     }
 
-    fn fraction(&self, simulation: &Simulation) -> f64 {
-        let by_time = simulation.clock().time / self.until;
-        let by_steps =
-            simulation.scene.run.steps.map_or(0.0, |most| simulation.steps() as f64 / most.max(1) as f64);
-        by_time.max(by_steps).min(1.0)
-    }
-
     /// Takes the bar away.
     pub fn end(self) {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();
         }
     }
+}
+
+/// The part of a run until a time [s] that is done.
+fn fraction(simulation: &Simulation, until: f64) -> f64 {
+    let by_time = simulation.clock().time / until;
+    let by_steps =
+        simulation.scene.run.steps.map_or(0.0, |most| simulation.steps() as f64 / most.max(1) as f64);
+    by_time.max(by_steps).min(1.0)
 }
 
 /// Seconds in words: `42 s`, `3 min 5 s`, `2 h 4 min`.

@@ -1,12 +1,15 @@
 //! `sinew run`: a scene, from the first step to the last.
 use super::fail::Failure;
 use super::progress::Progress;
-use super::{picture, wound};
+use super::signals::Signals;
+use super::{picture, ranks, restart, wound};
+use sinew::exec::ranks::Network;
+use sinew::exec::trace;
 use sinew::input::scene::Scene;
 use sinew::output::summary::Summary;
 use sinew::simd::Isa;
-use sinew::simulation::Simulation;
-use sinew::simulation::recorder::{Recorder, holds_run};
+use sinew::simulation::recorder::{End, Next, Recorder, holds_run};
+use sinew::simulation::{RunError, Simulation};
 use std::path::{Path, PathBuf};
 
 /// Which scene, with what changed.
@@ -14,6 +17,13 @@ use std::path::{Path, PathBuf};
 pub struct SceneArgs {
     /// Folder with a scene.toml, or a .toml file
     pub scene: PathBuf,
+    #[command(flatten)]
+    pub changes: Changes,
+}
+
+/// What is changed in a scene.
+#[derive(clap::Args)]
+pub struct Changes {
     /// Threads (default: all cores)
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
@@ -34,6 +44,13 @@ pub struct SceneArgs {
 impl SceneArgs {
     /// The scene with all overrides.
     pub fn read(&self) -> Result<Scene, Failure> {
+        Ok(sinew::input::read(&self.scene, &self.changes.overrides()?)?)
+    }
+}
+
+impl Changes {
+    /// As pairs of key and value.
+    pub fn overrides(&self) -> Result<Vec<(String, String)>, Failure> {
         let mut overrides = overrides(&self.set)?;
         let mut set = |key: &str, value: Option<String>| {
             overrides.extend(value.map(|value| (key.to_owned(), value)));
@@ -42,7 +59,7 @@ impl SceneArgs {
         set("run.steps", self.steps.map(|n| n.to_string()));
         set("run.until", self.until.clone());
         set("run.patches", self.patches.as_ref().map(|text| format!("[{}]", text.replace(['x', 'X'], ", "))));
-        Ok(sinew::input::read(&self.scene, &overrides)?)
+        Ok(overrides)
     }
 }
 
@@ -57,62 +74,136 @@ pub fn overrides(set: &[String]) -> Result<Vec<(String, String)>, Failure> {
     set.iter().map(pair).collect()
 }
 
-/// Run a scene and leave a folder with summary, history, particle file and pictures
+/// Run a scene and leave a folder with summary, history, particle file, checkpoints and pictures
+///
+/// SIGINT (Ctrl-C), SIGTERM and SIGUSR1 end a run after the step it is in, with a checkpoint; a second one ends it at once.
+/// The exit status is then 130, 143 or 138. mpirun leaves ranks a second after SIGINT and SIGTERM, but passes SIGUSR1 on and
+/// waits.
 #[derive(clap::Args)]
 pub struct Args {
+    /// Folder with a scene.toml, or a .toml file
+    #[arg(required_unless_present = "restart")]
+    pub scene: Option<PathBuf>,
     #[command(flatten)]
-    scene: SceneArgs,
+    pub changes: Changes,
     /// Folder for the results (default: runs/NAME, or the first free of runs/NAME-2, runs/NAME-3, …)
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", conflicts_with = "restart")]
     out: Option<PathBuf>,
-    /// Overwrite a run that the folder holds
+    /// Go on with the run in DIR from its last whole checkpoint, bit for bit, on any patches, threads and ranks; run.until,
+    /// run.steps and [output] may change, the physics may not
+    #[arg(long, value_name = "DIR")]
+    restart: Option<PathBuf>,
+    /// Overwrite a run that the folder holds; with --restart: go on although another version of Sinew or another instruction
+    /// set wrote the checkpoint, with other bits
     #[arg(long)]
-    force: bool,
+    pub force: bool,
+    /// Write trace.json: what each thread of each rank does and waits for, for Perfetto (ui.perfetto.dev) and for
+    /// sinew graph --trace
+    #[arg(long)]
+    trace: bool,
     /// No progress on the screen
     #[arg(long, short)]
-    quiet: bool,
+    pub quiet: bool,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let scene = args.scene.read()?;
     let isa = Isa::from_environment().map_err(Failure::usage)?;
-    let folder = args.out.clone().unwrap_or_else(|| default_folder(&scene.name, args.force));
-    claim(&folder, args.force)?;
-    let title = format!("{} ({})", scene.title, scene.name);
-    let mut simulation = Simulation::new(scene, isa)?;
-    // until the first step, what cannot be written is bad usage
-    let mut recorder =
-        Recorder::create(&folder, &mut simulation).map_err(|error| Failure::usage(error.to_string()))?;
-    let mut progress = Progress::begin(&title, &simulation, args.quiet);
-    let outcome = march(&mut simulation, &mut recorder, &mut progress);
+    let (network, here) = ranks::connect()?;
+    let first = network.rank() == 0;
+    let (folder, mut simulation, mut recorder) = match &args.restart {
+        Some(folder) => restart::resume(args, folder, isa, network, here)?,
+        None => begin(args, isa, network, here)?,
+    };
+    let signals =
+        Signals::watch().map_err(|error| Failure::Local(format!("cannot watch signals: {error}")))?;
+    let title = format!("{} ({})", simulation.scene.title, simulation.scene.name);
+    let mut progress = Progress::begin(&title, &mut simulation, args.quiet)?;
+    if args.trace {
+        simulation.set_trace(trace::BOUND);
+    }
+    let end = march(&mut simulation, &mut recorder, &mut progress, &signals)?;
     progress.end();
-    let error = outcome.as_ref().err().map(ToString::to_string);
-    let summary = recorder.finish(&mut simulation, error)?;
-    print_summary(&summary, &folder);
-    outcome.map_err(Failure::Run)?;
-    if simulation.scene.output.frames > 0 {
-        if simulation.scene.output.wound.is_some() {
-            wound::print(&folder)?;
+    if args.trace {
+        simulation.write_trace(&folder.join("trace.json"))?;
+    }
+    let summary = recorder.finish(&mut simulation, end.clone())?;
+    if first {
+        print_summary(&summary, &folder);
+    }
+    match end {
+        End::Failed(error) => return Err(Failure::Run(error)),
+        End::Interrupted => {
+            let message = format!(
+                "interrupted after step {}; go on with: sinew run --restart {}",
+                summary.steps,
+                folder.display()
+            );
+            return Err(Failure::Interrupted(message, signals.exit_status()));
         }
-        for picture in picture::draw(&folder, None)? {
+        End::Completed => {}
+    }
+    let shown = if first { show(&simulation.scene, &folder) } else { Ok(()) };
+    simulation.network().part(None);
+    shown
+}
+
+/// Wound table and pictures, if the scene has them.
+fn show(scene: &Scene, folder: &Path) -> Result<(), Failure> {
+    if scene.output.frames > 0 {
+        if scene.output.wound.is_some() {
+            wound::print(folder)?;
+        }
+        for picture in picture::draw(folder, None)? {
             println!("picture        {}", picture.display());
         }
     }
     Ok(())
 }
 
-/// Steps until the end; an error in words.
+/// A run from the first step on.
+fn begin(
+    args: &Args,
+    isa: Isa,
+    mut network: Box<dyn Network>,
+    here: usize,
+) -> Result<(PathBuf, Simulation, Recorder), Failure> {
+    let path = args.scene.as_deref().unwrap_or(Path::new("."));
+    let scene = args.changes.overrides().and_then(|overrides| Ok(sinew::input::read(path, &overrides)?));
+    let mut scene = ranks::agree(&mut *network, scene)?;
+    ranks::share_cores(&mut scene, here, &*network);
+    let folder = ranks::from_first(&mut *network, || {
+        let folder = args.out.clone().unwrap_or_else(|| default_folder(&scene.name, args.force));
+        claim(&folder, args.force)?;
+        Ok(folder.display().to_string())
+    })?;
+    let mut simulation = Simulation::on(network, scene, isa)?;
+    // until the first step, what cannot be written is bad usage
+    let recorder = Recorder::create(Path::new(&folder), &mut simulation).map_err(Failure::usage)?;
+    Ok((folder.into(), simulation, recorder))
+}
+
+/// Steps until the end, or until an error that all ranks share.
 fn march(
     simulation: &mut Simulation,
     recorder: &mut Recorder,
     progress: &mut Progress,
-) -> Result<(), String> {
-    while simulation.step().map_err(|error| error.to_string())? {
-        recorder.step(simulation).map_err(|error| error.to_string())?;
+    signals: &Signals,
+) -> Result<End, Failure> {
+    loop {
+        match simulation.step() {
+            Ok(true) => {}
+            Ok(false) => return Ok(End::Completed),
+            Err(error @ RunError::Network(_)) => return Err(error.into()),
+            Err(error) => return Ok(End::Failed(error.to_string())),
+        }
+        match recorder.step(simulation, signals.came()) {
+            Ok(Next::Go) => {}
+            Ok(Next::Stop) => return Ok(End::Interrupted),
+            Err(error) => return Ok(End::Failed(error.to_string())),
+        }
         progress.step(simulation);
     }
-    Ok(())
 }
 
 /// `runs/NAME`, or the first `runs/NAME-2`, `runs/NAME-3`, … that holds no run; with `force` always the first.

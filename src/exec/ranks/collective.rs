@@ -1,5 +1,5 @@
 //! What all ranks do together, made of messages between two. All of them must call it, in the same order.
-use super::{Channel, Lost, Network};
+use super::{Channel, Network, NetworkError};
 use crate::simd::Wide;
 
 /// Merges the messages of all ranks: afterwards each has the result. `merge` must commute and associate exactly, then all
@@ -11,7 +11,7 @@ pub fn reduce(
     network: &mut dyn Network,
     message: &mut Vec<Wide>,
     mut merge: impl FnMut(&mut [Wide], &[Wide]),
-) -> Result<(), Lost> {
+) -> Result<(), NetworkError> {
     let (rank, size) = (network.rank(), network.size());
     let whole = 1 << size.ilog2();
     let extra = size - whole;
@@ -46,7 +46,7 @@ pub fn reduce(
 ///
 /// # Errors
 /// If a rank is gone.
-pub fn sum(network: &mut dyn Network, words: &mut [u64]) -> Result<(), Lost> {
+pub fn sum(network: &mut dyn Network, words: &mut [u64]) -> Result<(), NetworkError> {
     if network.size() == 1 {
         return Ok(());
     }
@@ -64,7 +64,7 @@ pub fn sum(network: &mut dyn Network, words: &mut [u64]) -> Result<(), Lost> {
 ///
 /// # Errors
 /// If a rank is gone.
-pub fn broadcast(network: &mut dyn Network, message: &mut Vec<Wide>) -> Result<(), Lost> {
+pub fn broadcast(network: &mut dyn Network, message: &mut Vec<Wide>) -> Result<(), NetworkError> {
     let (rank, size) = (network.rank(), network.size());
     if rank > 0 {
         // from the rank without this one's lowest bit
@@ -86,7 +86,7 @@ pub fn gather(
     network: &mut dyn Network,
     message: Vec<Wide>,
     mut take: impl FnMut(usize, &[Wide]),
-) -> Result<(), Lost> {
+) -> Result<(), NetworkError> {
     if network.rank() > 0 {
         network.send(0, Channel::Reduction, message);
         return Ok(());
@@ -102,7 +102,7 @@ pub fn gather(
 ///
 /// # Errors
 /// If a rank is gone.
-pub fn share(network: &mut dyn Network, words: &[u64]) -> Result<Vec<Vec<u64>>, Lost> {
+pub fn share(network: &mut dyn Network, words: &[u64]) -> Result<Vec<Vec<u64>>, NetworkError> {
     let mut all = Vec::new();
     gather(network, super::pack(words), |_, message| {
         let words = super::unpack(message);

@@ -1,5 +1,5 @@
 //! Ranks as threads of one process: for tests, and where there is no MPI.
-use super::{Channel, Lost, Network};
+use super::{Channel, Network, NetworkError};
 use crate::simd::Wide;
 use std::collections::{HashMap, VecDeque};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
@@ -61,7 +61,7 @@ impl Network for Local {
 
     fn expect(&mut self, _from: usize, _channel: Channel, _most: usize) {}
 
-    fn arrived(&mut self, from: usize, channel: Channel) -> Result<Option<Vec<Wide>>, Lost> {
+    fn arrived(&mut self, from: usize, channel: Channel) -> Result<Option<Vec<Wide>>, NetworkError> {
         if let Some(message) = self.kept(from, channel) {
             return Ok(Some(message));
         }
@@ -73,17 +73,17 @@ impl Network for Local {
                     }
                 }
                 Err(TryRecvError::Empty) => return Ok(None),
-                Err(TryRecvError::Disconnected) => return Err(Lost { rank: from }),
+                Err(TryRecvError::Disconnected) => return Err(NetworkError::Lost { rank: from }),
             }
         }
     }
 
-    fn receive(&mut self, from: usize, channel: Channel) -> Result<Vec<Wide>, Lost> {
+    fn receive(&mut self, from: usize, channel: Channel) -> Result<Vec<Wide>, NetworkError> {
         if let Some(message) = self.kept(from, channel) {
             return Ok(message);
         }
         loop {
-            let letter = self.from[from].recv().map_err(|_| Lost { rank: from })?;
+            let letter = self.from[from].recv().map_err(|_| NetworkError::Lost { rank: from })?;
             if let Some(message) = self.sort(from, channel, letter) {
                 return Ok(message);
             }
@@ -133,6 +133,6 @@ mod tests {
             0 => rank.receive(1, Channel::Sums).map(|_| ()),
             _ => Ok(()),
         });
-        assert_eq!(results[0], Err(Lost { rank: 1 }));
+        assert_eq!(results[0], Err(NetworkError::Lost { rank: 1 }));
     }
 }

@@ -1,8 +1,20 @@
 //! Messages between ranks: who may send what to whom, without a word about how they travel.
 pub mod collective;
+mod error;
+pub mod ghosts;
+pub mod launch;
 pub mod local;
+pub mod migrate;
+#[cfg(feature = "mpi")]
+#[allow(unsafe_code)]
+pub mod mpi;
+pub mod occupied;
+pub mod reduction;
+
+pub use error::NetworkError;
 
 use crate::simd::Wide;
+use std::time::Duration;
 
 /// What a message is about. Messages from one rank to another on one channel arrive in the order in which they were sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -29,16 +41,6 @@ impl Channel {
     pub const COUNT: usize = 7;
 }
 
-/// A rank that does not answer any more.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "rank {rank} is gone: it ended or was killed. The last whole checkpoint restarts the run: sinew run --restart DIR"
-)]
-pub struct Lost {
-    /// The rank.
-    pub rank: usize,
-}
-
 /// The ranks of a run, seen from one of them. A message is a number of cache lines.
 pub trait Network {
     /// Which rank this is.
@@ -57,13 +59,13 @@ pub trait Network {
     ///
     /// # Errors
     /// If the sender is gone.
-    fn arrived(&mut self, from: usize, channel: Channel) -> Result<Option<Vec<Wide>>, Lost>;
+    fn arrived(&mut self, from: usize, channel: Channel) -> Result<Option<Vec<Wide>>, NetworkError>;
 
     /// The next message; waits for it.
     ///
     /// # Errors
     /// If the sender is gone.
-    fn receive(&mut self, from: usize, channel: Channel) -> Result<Vec<Wide>, Lost>;
+    fn receive(&mut self, from: usize, channel: Channel) -> Result<Vec<Wide>, NetworkError>;
 
     /// Waits until all that was sent has left, so that its memory is free again.
     fn settle(&mut self);
@@ -75,6 +77,16 @@ pub trait Network {
 
     /// Takes back the memory of a message that has been read.
     fn give_back(&mut self, _message: Vec<Wide>) {}
+
+    /// Waits until all ranks have come to their end, at most for `patience`; returns whether they have.
+    fn part(&mut self, _patience: Option<Duration>) -> bool {
+        true
+    }
+
+    /// Ends all ranks at once, where they cannot agree on an end.
+    fn abort(&mut self, status: i32) {
+        std::process::exit(status);
+    }
 }
 
 /// A run on one rank.
@@ -96,12 +108,12 @@ impl Network for Alone {
 
     fn expect(&mut self, _from: usize, _channel: Channel, _most: usize) {}
 
-    fn arrived(&mut self, from: usize, _channel: Channel) -> Result<Option<Vec<Wide>>, Lost> {
-        Err(Lost { rank: from })
+    fn arrived(&mut self, from: usize, _channel: Channel) -> Result<Option<Vec<Wide>>, NetworkError> {
+        Err(NetworkError::Lost { rank: from })
     }
 
-    fn receive(&mut self, from: usize, _channel: Channel) -> Result<Vec<Wide>, Lost> {
-        Err(Lost { rank: from })
+    fn receive(&mut self, from: usize, _channel: Channel) -> Result<Vec<Wide>, NetworkError> {
+        Err(NetworkError::Lost { rank: from })
     }
 
     fn settle(&mut self) {}

@@ -1,5 +1,5 @@
 //! Writes the events of all ranks, piece by piece, so that no rank ever holds those of all.
-use crate::exec::ranks::{Lost, Network, collective, pack, unpack};
+use crate::exec::ranks::{Network, NetworkError, collective, pack, unpack};
 use crate::exec::trace::{Event, Kind, NONE, Recorder, Track};
 use crate::graph::build::TaskGraph;
 use crate::graph::fuse::Stage;
@@ -22,7 +22,7 @@ const HEAD: usize = 2;
 /// A file that cannot be written (on rank 0), or a rank that is gone.
 pub fn write(path: &Path, graph: &TaskGraph, recorder: &Recorder, network: &mut dyn Network) -> Result<()> {
     let pieces = pieces(&recorder.take());
-    let gone = |lost: Lost| Error::Content { path: path.into(), problem: lost.to_string() };
+    let gone = |gone: NetworkError| Error::Content { path: path.into(), problem: gone.to_string() };
     let counts = collective::share(network, &[pieces.len() as u64]).map_err(gone)?;
     let rounds = counts.iter().filter_map(|count| count.first()).max().copied().unwrap_or(0);
     let mut writer = None;

@@ -1,17 +1,16 @@
 //! Appends frames.
 use super::name;
+use super::rows::{column, connect, link, put, table, unit};
 use crate::output::error::{self, Error, Result};
-use crate::output::frame::{Field, Frame};
+use crate::output::frame::{Field, Frame, Head, Piece};
 use crate::output::space;
-use hdf5::types::{FixedAscii, VarLenUnicode};
-use hdf5::{Dataset, File, FileBuilder, Group, H5Type};
-use ndarray::ArrayView2;
+use hdf5::file::{CacheDecreaseMode, CacheIncreaseMode, FlashIncreaseMode, MetadataCacheConfig};
+use hdf5::types::FixedAscii;
+use hdf5::{Dataset, File, FileBuilder, Group};
 use std::path::{Path, PathBuf};
 
-/// Rows of a chunk; fewer if the first frame has fewer particles.
-const CHUNK: usize = 65_536;
-/// Rows of a chunk of the tables with one row a frame.
-const TABLE_CHUNK: usize = 64;
+/// Rows of a chunk; fewer if the first frame has fewer particles. Pieces that end at a multiple of it are written once.
+pub const CHUNK: usize = 65_536;
 /// Bytes for what HDF5 keeps about the data.
 const SLACK: usize = 1 << 20;
 /// The cell kinds that VTK demands; only the first is filled.
@@ -29,6 +28,20 @@ pub struct Writer {
     chunk: usize,
     /// Row at which the next frame starts.
     next: usize,
+    /// The frame that is being written.
+    open: Option<Open>,
+}
+
+/// A frame of which some pieces are written.
+#[derive(Debug)]
+struct Open {
+    head: Head,
+    /// Positions, identities, materials: open over the frame, so that a chunk of several pieces stays in memory.
+    always: [Dataset; 3],
+    /// A dataset for each field of the head.
+    columns: Vec<Dataset>,
+    /// Row at which the next piece starts.
+    row: usize,
 }
 
 impl Writer {
@@ -40,32 +53,62 @@ impl Writer {
         std::fs::File::create(path).map_err(error::io("create", path))?;
         space::reserve(path, SLACK)?;
         let file = unlocked().create(path).map_err(error::hdf5("create", path))?;
-        let writer = Self { path: path.into(), file, fields: Vec::new(), frames: 0, chunk: 0, next: 0 };
+        let fields = Vec::new();
+        let writer = Self { path: path.into(), file, fields, frames: 0, chunk: 0, next: 0, open: None };
         writer.lay_out().and_then(|()| writer.file.flush()).map_err(error::hdf5("create", path))?;
         Ok(writer)
     }
 
-    /// Goes on with a file after a restart: frames later than `time` [s] are dropped.
+    /// Goes on with a file after a restart: keeps its first `frames` frames.
     ///
     /// # Errors
-    /// If the file cannot be opened for writing, or was not written by a [`Writer`].
-    pub fn resume(path: &Path, time: f64) -> Result<Self> {
+    /// If the file cannot be opened for writing, was not written by a [`Writer`], has fewer frames, or its writer was
+    /// stopped while it wrote down what the file holds.
+    pub fn resume(path: &Path, frames: usize) -> Result<Self> {
+        let content = |problem: String| Error::Content { path: path.into(), problem };
+        if mark(path).exists() {
+            return Err(content("its writer was stopped in the middle of a frame".into()));
+        }
         let reader = super::Reader::open(path)?;
-        let frames = reader.times().iter().take_while(|&&t| t <= time).count();
-        let (fields, chunk) = (reader.fields().to_vec(), reader.chunk());
+        if reader.frames() < frames {
+            return Err(content(format!("it has {} frames, not {frames}", reader.frames())));
+        }
+        let (fields, chunk, more) = (reader.fields().to_vec(), reader.chunk(), reader.frames() > frames);
         drop(reader);
         let file = unlocked().open_rw(path).map_err(error::hdf5("open", path))?;
-        let mut writer = Self { path: path.into(), file, fields, frames, chunk, next: 0 };
-        writer.forget_after(frames).map_err(error::hdf5("resume", path))?;
+        let mut writer = Self { path: path.into(), file, fields, frames, chunk, next: 0, open: None };
+        writer.next = writer.end_of(frames).map_err(error::hdf5("resume", path))?;
+        if more {
+            writer.marked(|writer| writer.forget_after(frames), "resume")?;
+        }
         Ok(writer)
     }
 
-    /// Writes one more frame. Its fields must be those of the first frame.
+    /// Writes one more frame that is in memory. Its fields must be those of the first frame.
     ///
     /// # Errors
     /// If the disk is full, or fields differ from the first frame's; frames written before stay readable.
     pub fn append(&mut self, frame: &dyn Frame) -> Result<()> {
-        let mut fields = frame.fields();
+        let fields = frame.fields();
+        let piece = Piece {
+            identities: frame.identities(),
+            materials: frame.materials(),
+            positions: frame.positions(),
+            columns: fields.iter().map(|field| frame.column(field)).collect(),
+        };
+        let (time, step, particles) = (frame.time(), frame.step(), frame.particles());
+        self.begin(Head { time, step, particles, fields })?;
+        self.piece(&piece)?;
+        self.end()
+    }
+
+    /// Begins one more frame. Its fields must be those of the first frame.
+    ///
+    /// # Errors
+    /// If there is no room for it on the disk, or fields differ from the first frame's.
+    pub fn begin(&mut self, head: Head) -> Result<()> {
+        self.open = None;
+        let mut fields = head.fields.clone();
         fields.sort_by(|a, b| a.name.cmp(&b.name)); // as HDF5 lists them
         if self.chunk > 0 && fields != self.fields {
             let list = |f: &[Field]| f.iter().map(|f| f.name.clone()).collect::<Vec<_>>().join(", ");
@@ -76,14 +119,60 @@ impl Writer {
             );
             return Err(Error::Content { path: self.path.clone(), problem });
         }
-        space::reserve(&self.path, room(frame.particles(), &fields))?;
-        self.add(frame, fields).map_err(error::hdf5("append a frame to", &self.path))?;
+        space::reserve(&self.path, room(head.particles, &fields))?;
+        self.open = Some(self.columns(head, fields).map_err(error::hdf5("append a frame to", &self.path))?);
+        Ok(())
+    }
+
+    /// Writes the next particles of the frame that was begun.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn piece(&mut self, piece: &Piece) -> Result<()> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        let rows = piece.positions.len();
+        let write = || -> hdf5::Result<()> {
+            put(&open.always[0], open.row, 3, bytemuck::cast_slice::<_, f32>(&piece.positions))?;
+            put(&open.always[1], open.row, 1, &piece.identities)?;
+            put(&open.always[2], open.row, 1, &piece.materials)?;
+            for ((field, column), values) in open.head.fields.iter().zip(&open.columns).zip(&piece.columns) {
+                put(column, open.row, field.components, values)?;
+            }
+            Ok(())
+        };
+        write().map_err(error::hdf5("append a frame to", &self.path))?;
+        open.row += rows;
+        Ok(())
+    }
+
+    /// Ends the frame: from now on it counts.
+    ///
+    /// # Errors
+    /// If it cannot be written, or pieces are missing; frames written before stay readable.
+    pub fn end(&mut self) -> Result<()> {
+        let Some(Open { head, row, .. }) = self.open.take() else { return Ok(()) };
+        if row != self.next + head.particles {
+            let problem = format!("a frame of {} particles got {}", head.particles, row - self.next);
+            return Err(Error::Content { path: self.path.clone(), problem });
+        }
+        self.enter(&head).map_err(error::hdf5("append a frame to", &self.path))?;
+        self.marked(|writer| writer.count(writer.frames + 1), "append a frame to")?;
+        self.next = row.next_multiple_of(self.chunk);
         space::trim(&self.path, self.file.size())
     }
 
     /// Number of frames so far.
     pub fn frames(&self) -> usize {
         self.frames
+    }
+
+    /// Waits until the disk has all frames.
+    ///
+    /// # Errors
+    /// If it does not take them.
+    pub fn sync(&self) -> Result<()> {
+        let file = std::fs::File::open(&self.path);
+        file.and_then(|file| file.sync_data()).map_err(error::io("write", &self.path))
     }
 
     /// Flushes and closes.
@@ -155,35 +244,47 @@ impl Writer {
         Ok(())
     }
 
-    fn add(&mut self, frame: &dyn Frame, fields: Vec<Field>) -> hdf5::Result<()> {
-        let (start, rows) = (self.next, frame.particles());
+    /// The datasets of a frame that begins, with the columns laid out if it is the first.
+    fn columns(&mut self, head: Head, fields: Vec<Field>) -> hdf5::Result<Open> {
         if self.chunk == 0 {
-            self.lay_out_columns(rows, fields)?;
+            self.lay_out_columns(head.particles, fields)?;
         }
         let root = self.root()?;
         let data = root.group(name::DATA)?;
-        put(&root.dataset(name::POINTS)?, start, 3, bytemuck::cast_slice::<_, f32>(&frame.positions()))?;
-        put(&data.dataset(name::IDENTITY)?, start, 1, &frame.identities())?;
-        put(&data.dataset(name::MATERIAL)?, start, 1, &frame.materials())?;
-        for field in &self.fields {
-            put(&data.dataset(&field.name)?, start, field.components, &frame.column(field))?;
-        }
-        connect(&root, rows)?;
+        let always =
+            [root.dataset(name::POINTS)?, data.dataset(name::IDENTITY)?, data.dataset(name::MATERIAL)?];
+        let columns =
+            head.fields.iter().map(|field| data.dataset(&field.name)).collect::<hdf5::Result<_>>()?;
+        Ok(Open { head, always, columns, row: self.next })
+    }
 
+    /// What the tables say about a frame whose particles are written.
+    fn enter(&mut self, head: &Head) -> hdf5::Result<()> {
+        let root = self.root()?;
+        connect(&root, head.particles)?;
         let k = self.frames;
-        put(&root.dataset(name::COUNTS)?, k, 1, &[rows as i64])?;
-        put(&root.dataset(name::TIMES)?, k, 1, &[frame.time()])?;
-        put(&root.dataset(name::TAKEN)?, k, 1, &[frame.step() as i64])?;
-        put(&root.dataset(name::OFFSETS)?, k, 1, &[start as i64])?;
+        put(&root.dataset(name::COUNTS)?, k, 1, &[head.particles as i64])?;
+        put(&root.dataset(name::TIMES)?, k, 1, &[head.time])?;
+        put(&root.dataset(name::TAKEN)?, k, 1, &[head.step as i64])?;
+        put(&root.dataset(name::OFFSETS)?, k, 1, &[self.next as i64])?;
         put(&root.dataset("Steps/PartOffsets")?, k, 1, &[k as i64])?;
         put(&root.dataset("Steps/NumberOfParts")?, k, 1, &[1i64])?;
         put(&root.dataset("Steps/CellOffsets")?, k, 4, &[0i64; 4])?;
-        put(&root.dataset("Lines/NumberOfCells")?, k, 1, &[0i64])?;
-        // The frame must be on the disk before it counts.
-        self.file.flush()?;
-        self.count(k + 1)?;
-        self.next = (start + rows).next_multiple_of(self.chunk);
-        Ok(())
+        put(&root.dataset("Lines/NumberOfCells")?, k, 1, &[0i64])
+    }
+
+    /// Changes what the file says that it holds. A mark beside it tells whoever resumes a run that was killed in
+    /// the middle of this. At other times HDF5 keeps such changes in memory: see [`unlocked`].
+    fn marked(
+        &mut self,
+        change: impl FnOnce(&mut Self) -> hdf5::Result<()>,
+        action: &'static str,
+    ) -> Result<()> {
+        let mark = mark(&self.path);
+        std::fs::write(&mark, b"").map_err(error::io("write", &mark))?;
+        // what the change counts must be on the disk before it counts
+        self.file.flush().and_then(|()| change(self)).map_err(error::hdf5(action, &self.path))?;
+        std::fs::remove_file(&mark).map_err(error::io("remove", &mark))
     }
 
     fn count(&mut self, frames: usize) -> hdf5::Result<()> {
@@ -193,15 +294,18 @@ impl Writer {
         Ok(())
     }
 
+    /// Row behind the first `frames` frames.
+    fn end_of(&self, frames: usize) -> hdf5::Result<usize> {
+        let Some(last) = frames.checked_sub(1) else { return Ok(0) };
+        let root = self.root()?;
+        let row = |table: &str| -> hdf5::Result<usize> {
+            Ok(root.dataset(table)?.read_slice_1d::<i64, _>(last..=last)?[0] as usize)
+        };
+        Ok((row(name::OFFSETS)? + row(name::COUNTS)?).next_multiple_of(self.chunk.max(1)))
+    }
+
     fn forget_after(&mut self, frames: usize) -> hdf5::Result<()> {
         let root = self.root()?;
-        if let Some(last) = frames.checked_sub(1) {
-            let row = |table: &str| -> hdf5::Result<i64> {
-                Ok(root.dataset(table)?.read_slice_1d::<i64, _>(last..=last)?[0])
-            };
-            self.next = (row(name::OFFSETS)? + row(name::COUNTS)?) as usize;
-            self.next = self.next.next_multiple_of(self.chunk.max(1));
-        }
         self.count(frames)?;
         for rows in [name::COUNTS, name::TIMES, name::TAKEN, name::OFFSETS, "Lines/NumberOfCells"] {
             root.dataset(rows)?.resize(frames)?;
@@ -214,10 +318,23 @@ impl Writer {
     }
 }
 
-/// Without a lock of the file, ParaView may look at it while the run goes on, and cannot stop the run.
+/// The file beside a particle file that says that its tables are being written.
+fn mark(path: &Path) -> PathBuf {
+    path.with_added_extension("unfinished")
+}
+
+/// Without a lock of the file, ParaView may look at it while the run goes on, and cannot stop the run. Tables are written
+/// when they are flushed and at no other time, so that a run that is killed leaves the frames before.
 fn unlocked() -> FileBuilder {
+    let cache = MetadataCacheConfig {
+        evictions_enabled: false,
+        incr_mode: CacheIncreaseMode::Off,
+        flash_incr_mode: FlashIncreaseMode::Off,
+        decr_mode: CacheDecreaseMode::Off,
+        ..MetadataCacheConfig::default()
+    };
     let mut builder = File::with_options();
-    builder.with_fapl(|access| access.file_locking(false));
+    builder.with_fapl(|access| access.file_locking(false).mdc_config(&cache));
     builder
 }
 
@@ -227,58 +344,4 @@ fn room(particles: usize, fields: &[Field]) -> usize {
     let connectivity = 2 * size_of::<i64>();
     let numbers: usize = fields.iter().map(|f| f.components).sum();
     (particles + CHUNK.min(particles)) * (fixed + connectivity + numbers * size_of::<f32>()) + SLACK
-}
-
-/// A compressed dataset of any number of rows.
-fn column<T: H5Type>(group: &Group, path: &str, components: usize, chunk: usize) -> hdf5::Result<Dataset> {
-    let dataset = group.new_dataset::<T>().shuffle().deflate(1);
-    if components == 1 {
-        dataset.chunk(chunk).shape(0..).create(path)
-    } else {
-        dataset.chunk((chunk, components)).shape((0.., components)).create(path)
-    }
-}
-
-/// A dataset with a row a frame.
-fn table<T: H5Type>(group: &Group, path: &str, components: usize) -> hdf5::Result<Dataset> {
-    column::<T>(group, path, components, TABLE_CHUNK)
-}
-
-/// Lengthens the dataset where needed and writes rows from `start` on.
-fn put<T: H5Type>(dataset: &Dataset, start: usize, components: usize, values: &[T]) -> hdf5::Result<()> {
-    let end = start + values.len() / components;
-    if components == 1 {
-        dataset.resize(end)?;
-        return if values.is_empty() { Ok(()) } else { dataset.write_slice(values, start..end) };
-    }
-    dataset.resize((end, components))?;
-    if values.is_empty() {
-        return Ok(());
-    }
-    let rows = ArrayView2::from_shape((end - start, components), values)
-        .map_err(|e| hdf5::Error::Internal(e.to_string()))?;
-    dataset.write_slice(rows, (start..end, ..))
-}
-
-/// Vertex cells 0, 1, 2…, as many as the largest frame needs.
-fn connect(root: &Group, particles: usize) -> hdf5::Result<()> {
-    let ids = root.dataset("Vertices/Connectivity")?;
-    let known = ids.size();
-    if known < particles {
-        let more: Vec<i64> = (known as i64..=particles as i64).collect();
-        put(&ids, known, 1, &more[..more.len() - 1])?;
-        put(&root.dataset("Vertices/Offsets")?, known + 1, 1, &more[1..])?;
-    }
-    Ok(())
-}
-
-/// A second name for a dataset.
-fn link(root: &Group, dataset: &str, alias: &str) -> hdf5::Result<()> {
-    if root.link_exists(alias) { Ok(()) } else { root.link_hard(dataset, alias) }
-}
-
-fn unit(dataset: &Dataset, symbol: &str) -> hdf5::Result<()> {
-    let symbol: VarLenUnicode =
-        symbol.parse().map_err(|_| hdf5::Error::Internal("a unit holds a NUL".into()))?;
-    dataset.new_attr::<VarLenUnicode>().create(name::UNIT)?.write_scalar(&symbol)
 }

@@ -1,0 +1,46 @@
+use super::Channel;
+
+/// Why ranks cannot go on together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NetworkError {
+    /// A rank that does not answer any more.
+    #[error(
+        "rank {rank} is gone: it ended or was killed. Go on from the last whole checkpoint: sinew run --restart DIR"
+    )]
+    Lost {
+        /// The rank.
+        rank: usize,
+    },
+    /// Particles that left a rank and came nowhere.
+    #[error(
+        "{sent} particles changed their rank, but {came} arrived. This is an error in Sinew, please report it"
+    )]
+    Particles {
+        /// How many left a rank.
+        sent: u64,
+        /// How many came to one.
+        came: u64,
+    },
+    /// A patch that did not arrive whole at its new rank.
+    #[error("patch {patch} from rank {rank} is not whole. This is an error in Sinew, please report it")]
+    Patch {
+        /// The patch.
+        patch: usize,
+        /// Who sent it.
+        rank: usize,
+    },
+    /// A message that does not hold what both sides know it must.
+    #[error(
+        "a message of rank {rank} about {channel:?} has {lines} lines instead of {expected}. This is an error in Sinew, please report it"
+    )]
+    Length {
+        /// Who sent it.
+        rank: usize,
+        /// What it is about.
+        channel: Channel,
+        /// Lines that came.
+        lines: usize,
+        /// Lines that should have come.
+        expected: usize,
+    },
+}

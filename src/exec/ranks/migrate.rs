@@ -1,0 +1,62 @@
+//! Whole patches move to other ranks, between two steps. Blocks travel as they are, so that no bit changes.
+use super::{Channel, Network, NetworkError};
+use crate::data::particles::ParticleBlock;
+use crate::data::warehouse::Warehouse;
+use crate::grid::{BlockIndex, Partition};
+use crate::simd::Wide;
+
+/// Moves patches to where `partition` wants them; returns how many lines this rank sent. All ranks call it, with the same
+/// partition.
+///
+/// # Errors
+/// If a rank is gone, or a patch arrives broken.
+pub fn migrate(
+    network: &mut dyn Network,
+    warehouse: &mut Warehouse,
+    partition: Partition,
+) -> Result<usize, NetworkError> {
+    let old = warehouse.partition.clone();
+    let moves: Vec<usize> =
+        (0..warehouse.particles.len()).filter(|&p| old.rank_of(p) != partition.rank_of(p)).collect();
+    let mut sent = 0;
+    for &patch in moves.iter().filter(|&&patch| old.is_mine(patch)) {
+        let message = pack(warehouse, patch);
+        sent += message.len();
+        network.send(partition.rank_of(patch), Channel::Patches, message);
+    }
+    warehouse.set_partition(partition);
+    for &patch in &moves {
+        let from = old.rank_of(patch);
+        if warehouse.partition.is_mine(patch) {
+            let message = network.receive(from, Channel::Patches)?;
+            unpack(warehouse, patch, &message).ok_or(NetworkError::Patch { patch, rank: from })?;
+        }
+    }
+    network.settle();
+    Ok(sent)
+}
+
+/// For each material the number of blocks, then the blocks.
+fn pack(warehouse: &Warehouse, patch: usize) -> Vec<Wide> {
+    let mut message = Vec::new();
+    for (home, data) in warehouse.particles[patch].iter().zip(&warehouse.materials) {
+        let blocks = home.blocks.iter().filter(|block| block.count > 0);
+        message.push(bytemuck::cast([blocks.clone().count() as u64; 8]));
+        blocks.for_each(|block| block.to_lines(&data.layout, &mut message));
+    }
+    message
+}
+
+fn unpack(warehouse: &mut Warehouse, patch: usize, mut lines: &[Wide]) -> Option<()> {
+    let Warehouse { level, materials, particles, .. } = warehouse;
+    let middle = |index: BlockIndex| level.middle(index);
+    for (home, data) in particles[patch].iter_mut().zip(materials) {
+        let (head, rest) = lines.split_first()?;
+        let [count, ..]: [u64; 8] = bytemuck::cast(*head);
+        lines = rest;
+        for _ in 0..count {
+            home.blocks.push(ParticleBlock::from_lines(&data.layout, middle, &mut lines)?);
+        }
+    }
+    lines.is_empty().then_some(())
+}

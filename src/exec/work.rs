@@ -1,0 +1,175 @@
+//! Phases over blocks: lists of blocks, spread over workers.
+use super::Executor;
+use super::scratch::Scratch;
+use super::stage::{self, Context};
+use super::trace::{Event, Kind, Recorder};
+use crate::data::nodes::NodeBlock;
+use crate::data::particles::ParticleBlock;
+use crate::data::schedule::Schedule;
+use crate::data::warehouse::{NodePatch, ParticlePatch};
+use crate::graph::fuse::{Phase, Stage, When};
+use crate::graph::task::Domain;
+use crate::grid::{Decomposition, Partition};
+use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// What a wave works with.
+pub struct Work<'a, E> {
+    /// Spreads blocks over workers.
+    pub executor: &'a E,
+    /// What is the same for all blocks.
+    pub context: Context<'a>,
+    /// One a worker.
+    pub scratch: &'a [Mutex<Scratch>],
+    /// Of lists of blocks.
+    pub memory: &'a mut Memory,
+    /// Whether work is metered.
+    pub metered: bool,
+    /// Whether blocks remember what work on them takes.
+    pub weighing: bool,
+    /// What is done when.
+    pub trace: &'a Recorder,
+}
+
+/// Which blocks of a phase.
+#[derive(Clone, Copy, Debug)]
+pub enum Which<'a> {
+    /// All in some layers along x.
+    All(&'a Range<i32>),
+    /// Those in some layers along x that need nothing of other ranks.
+    Interior(&'a Range<i32>),
+    /// The others, in some layers along x.
+    Rim(&'a Range<i32>),
+}
+
+impl Which<'_> {
+    fn layers(&self) -> Range<i32> {
+        let (Which::All(layers) | Which::Interior(layers) | Which::Rim(layers)) = self;
+        (*layers).clone()
+    }
+
+    /// Whether the part has a block of which `rim` says whether it is one of the rim.
+    fn has(&self, rim: impl FnOnce() -> bool) -> bool {
+        match self {
+            Which::All(_) => true,
+            Which::Interior(_) => !rim(),
+            Which::Rim(_) => rim(),
+        }
+    }
+}
+
+impl<E: Executor> Work<'_, E> {
+    /// Runs a phase over blocks on some of them.
+    pub fn over(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
+        match phase.stages.first().map(|stage| stage.domain) {
+            Some(Domain::Nodes) => self.over_nodes(phase, which, data),
+            _ => self.over_particles(phase, which, data),
+        }
+    }
+
+    fn over_nodes(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
+        let Self { executor, context, scratch, memory, metered, weighing, trace } = self;
+        let Some(stage) = phase.stages.first() else { return };
+        let (awake, next) = (context.schedule.awake(), context.schedule.next());
+        let mut items = recycle(std::mem::take(&mut memory.nodes));
+        let (layers, began) = (which.layers(), trace.now());
+        let slab = (layers.start - data.first_layer) as usize;
+        for (nodes, patch) in data
+            .nodes
+            .iter_mut()
+            .zip(&data.decomposition.patches)
+            .filter(|(_, p)| data.partition.is_mine(p.id))
+        {
+            let blocks = nodes.slab_mut(patch.blocks.lower[0], &layers);
+            let awake = blocks.filter(|(present, _)| present & awake != 0).map(|(_, block)| block);
+            items.extend(awake.filter(|block| which.has(|| block.rim)));
+        }
+        let update = if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
+        executor.each(&mut items, |worker, block| {
+            let (traced, began) = (trace.now(), weighing.then(Instant::now));
+            let ran = update(context, stage, data.particles, &mut lock(&scratch[worker]), block);
+            block.cost += began.map_or(0, |began| began.elapsed().as_nanos() as u64);
+            if trace.is_on() {
+                trace.record_on(worker, traced, Event::stage(stage).on_slab(slab));
+            }
+            if ran && phase.settles {
+                block.until.fill(next);
+            }
+        });
+        trace.record_idle(began, Event::idle(stage));
+        memory.nodes = recycle(items);
+    }
+
+    fn over_particles(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
+        let Self { executor, context, scratch, memory, metered, weighing, trace } = self;
+        let mut items = recycle(std::mem::take(&mut memory.particles));
+        let (layers, began) = (which.layers(), trace.now());
+        let slab = (layers.start - data.first_layer) as usize;
+        for (homes, patch) in data
+            .particles
+            .iter_mut()
+            .zip(&data.decomposition.patches)
+            .filter(|(_, p)| data.partition.is_mine(p.id))
+        {
+            for (material, home) in homes.iter_mut().enumerate() {
+                if let Some(stage) = phase.stages.iter().find(|s| acts(s, context.schedule, material)) {
+                    let blocks = home.slab_mut(patch.blocks.lower[0], &layers).iter_mut();
+                    items.extend(blocks.filter(|block| which.has(|| block.rim)).map(|block| (stage, block)));
+                }
+            }
+        }
+        let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
+        executor.each(&mut items, |worker, (stage, block)| {
+            let (traced, began) = (trace.now(), weighing.then(Instant::now));
+            sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
+            block.cost += began.map_or(0, |began| began.elapsed().as_nanos() as u64);
+            if trace.is_on() {
+                trace.record_on(worker, traced, Event::stage(stage).on_slab(slab));
+            }
+        });
+        trace.record_idle(began, phase.stages.first().map_or(Event::other(Kind::Idle), Event::idle));
+        memory.particles = recycle(items);
+    }
+}
+
+/// The blocks that a wave works on.
+pub struct Blocks<'a> {
+    /// The patches.
+    pub decomposition: &'a Decomposition,
+    /// The level's first layer of blocks along x.
+    pub first_layer: i32,
+    /// Their ranks.
+    pub partition: &'a Partition,
+    /// Particles: `[patch][material]`.
+    pub particles: &'a mut [Vec<ParticlePatch>],
+    /// Nodes: `[patch]`.
+    pub nodes: &'a mut [NodePatch],
+}
+
+/// Whether a stage over particles runs for a material in this tick.
+fn acts(stage: &Stage, schedule: &Schedule, material: usize) -> bool {
+    stage.material == Some(material)
+        && match stage.when {
+            When::Begin => schedule.begins(material),
+            When::End => schedule.ends(material),
+        }
+}
+
+/// A worker's scratch. Nobody else takes it while the worker works.
+pub fn lock(scratch: &Mutex<Scratch>) -> MutexGuard<'_, Scratch> {
+    scratch.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Memory of the lists of blocks of a phase, which are empty between phases.
+#[derive(Default)]
+pub struct Memory {
+    particles: Vec<(&'static Stage, &'static mut ParticleBlock)>,
+    nodes: Vec<&'static mut NodeBlock>,
+}
+
+/// An empty list that takes over the memory of another: no allocation a step.
+fn recycle<T, U>(mut list: Vec<T>) -> Vec<U> {
+    list.clear();
+    list.into_iter().map(|_| unreachable!("the list is empty")).collect()
+}

@@ -1,0 +1,125 @@
+//! `checkpoint-NNNNNNNN.h5`: all that a run needs to go on from a step, bit for bit.
+//!
+//! An HDF5 file with a seal behind its last byte (`seal.rs`), written aside and renamed when the disk has it. Per material
+//! a table of blocks, then the particles label by label, block after block in the order within each block: which block
+//! a particle belongs to, and where in it, is state, not a consequence of its position.
+mod folder;
+mod reader;
+pub mod seal;
+mod writer;
+
+pub use folder::{Found, discard, last_whole, list, path, prune, set_aside};
+pub use reader::Reader;
+pub use writer::Writer;
+
+/// Version of the format.
+pub const FORMAT: u32 = 1;
+/// The version of Sinew that writes.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// All but the particles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Head {
+    /// The version of Sinew that wrote it.
+    pub version: String,
+    /// The instruction set that ran.
+    pub isa: String,
+    /// Name of the scene.
+    pub name: String,
+    /// The resolved scene.
+    pub scene: String,
+    /// Simulated time [s].
+    pub time: f64,
+    /// Steps taken.
+    pub steps: u64,
+    /// Particles moved, by all ranks.
+    pub updates: u64,
+    /// What the run's files hold.
+    pub recorded: Recorded,
+    /// Labels of homes `Material` and `Global`, bit by bit.
+    pub shared: Vec<(String, Vec<u64>)>,
+    /// Running totals of what particles do not remember.
+    pub ledger: Vec<f64>,
+    /// The materials.
+    pub materials: Vec<Material>,
+}
+
+/// How far the files of a run had come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Recorded {
+    /// Frames in `particles.vtkhdf`.
+    pub frames: u64,
+    /// Number of the frame that is due next.
+    pub due: u64,
+    /// Whether the last row, and the last frame, are there only because the run ended: a run that goes further drops them.
+    pub last: [bool; 2],
+    /// Seconds on the clock so far.
+    pub wall_s: f64,
+    /// Seconds of these that output took.
+    pub output_s: f64,
+}
+
+/// What a checkpoint has of a material.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Material {
+    /// Its name.
+    pub name: String,
+    /// Names of its particle labels, and numbers a particle of each.
+    pub labels: Vec<(String, usize)>,
+    /// Occupied blocks.
+    pub blocks: usize,
+    /// Particles.
+    pub particles: usize,
+}
+
+/// A block of a material.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BlockRow {
+    /// Which block.
+    pub index: [i32; 3],
+    /// Particles in it.
+    pub count: u32,
+    /// Bounds of its extent: largest y on each axis, largest −y.
+    pub extent: [f64; 6],
+}
+
+/// Some blocks of a material with their particles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Part {
+    /// Index of the material.
+    pub material: usize,
+    /// The blocks.
+    pub blocks: Vec<BlockRow>,
+    /// The values of each label, particle by particle.
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// Names inside the file.
+mod name {
+    pub const FORMAT: &str = "format";
+    pub const VERSION: &str = "version";
+    pub const ISA: &str = "instruction_set";
+    pub const SCENE_NAME: &str = "scene_name";
+    pub const SCENE_IDENTITY: &str = "scene_identity";
+    pub const SCENE: &str = "scene";
+    pub const TIME: &str = "time";
+    pub const STEPS: &str = "steps";
+    pub const UPDATES: &str = "updates";
+    pub const FRAMES: &str = "frames";
+    pub const DUE: &str = "next_frame";
+    pub const LAST_ROW: &str = "last_row_at_end";
+    pub const LAST_FRAME: &str = "last_frame_at_end";
+    pub const WALL: &str = "wall_s";
+    pub const OUTPUT: &str = "output_s";
+    pub const SHARED: &str = "shared";
+    pub const LEDGER: &str = "ledger";
+    pub const MATERIALS: &str = "materials";
+    pub const MATERIAL_NAME: &str = "name";
+    pub const LABELS: &str = "labels";
+    pub const BLOCK_INDEX: &str = "block_index";
+    pub const BLOCK_COUNT: &str = "block_count";
+    pub const BLOCK_EXTENT: &str = "block_extent";
+    pub const PARTICLES: &str = "particles";
+    /// The label whose numbers are the bits of integers.
+    pub const IDENTITY: &str = "Identity";
+}

@@ -1,0 +1,160 @@
+//! Reads a checkpoint back.
+use super::{BlockRow, FORMAT, Head, Material, Recorded, name, seal};
+use crate::output::error::{self, Error, Result};
+use hdf5::types::VarLenUnicode;
+use hdf5::{Dataset, File, Group, H5Type};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// An open checkpoint.
+#[derive(Debug)]
+pub struct Reader {
+    path: PathBuf,
+    file: File,
+    /// All but the particles.
+    pub head: Head,
+}
+
+impl Reader {
+    /// Opens a checkpoint whose seal is unbroken.
+    ///
+    /// # Errors
+    /// If the file is missing, cut off, damaged, or of another format.
+    pub fn open(path: &Path) -> Result<Self> {
+        seal::verify(path)?;
+        Self::open_verified(path)
+    }
+
+    /// Opens a checkpoint whose seal another rank has checked.
+    ///
+    /// # Errors
+    /// If the file is missing, or of another format.
+    pub fn open_verified(path: &Path) -> Result<Self> {
+        let mut file = File::with_options();
+        file.with_fapl(|access| access.file_locking(false));
+        let file = file.open(path).map_err(error::hdf5("open", path))?;
+        let content = |problem: String| Error::Content { path: path.into(), problem };
+        let format: u32 = number(&file, name::FORMAT)
+            .map_err(|source| content(format!("not a checkpoint of Sinew ({source})")))?;
+        if format != FORMAT {
+            return Err(content(format!(
+                "it has format {format}, this Sinew ({}) reads format {FORMAT}: go on with the version that wrote it",
+                super::VERSION
+            )));
+        }
+        let head = head(&file).map_err(error::hdf5("read", path))?;
+        Ok(Self { path: path.into(), file, head })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// An error about what the file holds.
+    pub fn wrong(&self, problem: String) -> Error {
+        Error::Content { path: self.path.clone(), problem }
+    }
+
+    /// The table of blocks of a material.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn blocks(&self, material: usize) -> Result<Vec<BlockRow>> {
+        let read = || -> hdf5::Result<Vec<BlockRow>> {
+            let group = self.material(material)?;
+            let indices: Vec<i32> = all(&group.dataset(name::BLOCK_INDEX)?)?;
+            let counts: Vec<u32> = all(&group.dataset(name::BLOCK_COUNT)?)?;
+            let extents: Vec<f64> = all(&group.dataset(name::BLOCK_EXTENT)?)?;
+            let rows = indices.as_chunks().0.iter().zip(counts).zip(extents.as_chunks().0);
+            Ok(rows.map(|((&index, count), &extent)| BlockRow { index, count, extent }).collect())
+        };
+        read().map_err(error::hdf5("read", &self.path))
+    }
+
+    /// Some rows of all labels of a material, in the order of `Head::materials`.
+    ///
+    /// # Errors
+    /// If they cannot be read.
+    pub fn columns(&self, material: usize, range: &Range<usize>) -> Result<Vec<Vec<f64>>> {
+        let read = || -> hdf5::Result<Vec<Vec<f64>>> {
+            let group = self.material(material)?.group(name::PARTICLES)?;
+            let column = |(label, _): &(String, usize)| column(&group.dataset(label)?, label, range.clone());
+            self.head.materials[material].labels.iter().map(column).collect()
+        };
+        read().map_err(error::hdf5("read", &self.path))
+    }
+
+    fn material(&self, index: usize) -> hdf5::Result<Group> {
+        self.file.group(name::MATERIALS)?.group(&index.to_string())
+    }
+}
+
+fn column(dataset: &Dataset, label: &str, range: Range<usize>) -> hdf5::Result<Vec<f64>> {
+    match label {
+        name::IDENTITY => Ok(rows::<u64>(dataset, range)?.into_iter().map(f64::from_bits).collect()),
+        _ => rows(dataset, range),
+    }
+}
+
+fn head(file: &File) -> hdf5::Result<Head> {
+    let shared = file.group(name::SHARED)?;
+    let words = |label: String| Ok((label.clone(), shared.dataset(&label)?.read_raw::<u64>()?));
+    let materials = file.group(name::MATERIALS)?;
+    let material = |index: usize| material(&materials.group(&index.to_string())?);
+    Ok(Head {
+        version: text(file, name::VERSION)?,
+        isa: text(file, name::ISA)?,
+        name: text(file, name::SCENE_NAME)?,
+        scene: file.dataset(name::SCENE)?.read_scalar::<VarLenUnicode>()?.to_string(),
+        time: number(file, name::TIME)?,
+        steps: number(file, name::STEPS)?,
+        updates: number(file, name::UPDATES)?,
+        recorded: Recorded {
+            frames: number(file, name::FRAMES)?,
+            due: number(file, name::DUE)?,
+            last: [number(file, name::LAST_ROW)?, number(file, name::LAST_FRAME)?],
+            wall_s: number(file, name::WALL)?,
+            output_s: number(file, name::OUTPUT)?,
+        },
+        shared: shared.member_names()?.into_iter().map(words).collect::<hdf5::Result<_>>()?,
+        ledger: file.dataset(name::LEDGER)?.read_raw()?,
+        materials: (0..materials.len() as usize).map(material).collect::<hdf5::Result<_>>()?,
+    })
+}
+
+fn material(group: &Group) -> hdf5::Result<Material> {
+    let columns = group.group(name::PARTICLES)?;
+    let label = |label: &str| {
+        let shape = columns.dataset(label)?.shape();
+        Ok((label.to_owned(), shape.get(1).copied().unwrap_or(1)))
+    };
+    let names = text(group, name::LABELS)?;
+    let labels: Vec<(String, usize)> = names.split_whitespace().map(label).collect::<hdf5::Result<_>>()?;
+    let rows = |dataset: Dataset| dataset.shape().first().copied().unwrap_or(0);
+    let particles = match labels.first() {
+        Some((label, _)) => rows(columns.dataset(label)?),
+        None => 0,
+    };
+    let blocks = rows(group.dataset(name::BLOCK_COUNT)?);
+    Ok(Material { name: text(group, name::MATERIAL_NAME)?, labels, blocks, particles })
+}
+
+fn all<T: H5Type>(dataset: &Dataset) -> hdf5::Result<Vec<T>> {
+    if dataset.size() == 0 { Ok(Vec::new()) } else { dataset.read_raw() }
+}
+
+fn rows<T: H5Type>(dataset: &Dataset, range: Range<usize>) -> hdf5::Result<Vec<T>> {
+    if range.is_empty() {
+        return Ok(Vec::new());
+    }
+    Ok(dataset.read_slice_2d((range, ..))?.into_raw_vec_and_offset().0)
+}
+
+fn number<T: H5Type>(group: &Group, name: &str) -> hdf5::Result<T> {
+    group.attr(name)?.read_scalar()
+}
+
+fn text(group: &Group, name: &str) -> hdf5::Result<String> {
+    Ok(group.attr(name)?.read_scalar::<VarLenUnicode>()?.to_string())
+}

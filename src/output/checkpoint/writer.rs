@@ -1,0 +1,186 @@
+//! Writes a checkpoint part by part.
+use super::{FORMAT, Head, Part, name, seal};
+use crate::output::error::{self, Result};
+use crate::output::space;
+use hdf5::types::VarLenUnicode;
+use hdf5::{Dataset, File, Group, H5Type};
+use ndarray::ArrayView2;
+use std::path::{Path, PathBuf};
+
+/// Bytes for what HDF5 keeps about the data.
+const SLACK: usize = 1 << 20;
+
+/// A checkpoint that is being written, aside.
+#[derive(Debug)]
+pub struct Writer {
+    /// Where it will be.
+    path: PathBuf,
+    aside: PathBuf,
+    file: File,
+    materials: Vec<Material>,
+}
+
+/// The datasets of a material, and how many rows they hold.
+#[derive(Debug)]
+struct Material {
+    /// Indices, counts and extents of blocks.
+    blocks: [Dataset; 3],
+    labels: Vec<(String, Dataset)>,
+    written: usize,
+    particles: usize,
+}
+
+impl Writer {
+    /// Begins the checkpoint at `path`.
+    ///
+    /// # Errors
+    /// If the disk is full or the folder cannot be written.
+    pub fn create(path: &Path, head: &Head) -> Result<Self> {
+        let aside = super::folder::aside(path);
+        std::fs::File::create(&aside).map_err(error::io("create", &aside))?;
+        space::reserve(&aside, SLACK)?;
+        let wrong = error::hdf5("create", &aside);
+        let file = File::create(&aside).map_err(&wrong)?;
+        let materials = lay_out(&file, head).and_then(|materials| file.flush().map(|()| materials));
+        let materials = materials.map_err(wrong)?;
+        space::reserve(&aside, room(head))?;
+        Ok(Self { path: path.into(), aside, file, materials })
+    }
+
+    /// Writes some blocks of a material behind those that came before.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn part(&mut self, part: &Part) -> Result<()> {
+        let material = &mut self.materials[part.material];
+        material.write(part).map_err(error::hdf5("write", &self.aside))
+    }
+
+    /// Seals it and puts it in place, when the disk has all of it.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn finish(self) -> Result<()> {
+        let Self { path, aside, file, materials } = self;
+        drop(materials);
+        let length = file.flush().map(|()| file.size()).map_err(error::hdf5("write", &aside))?;
+        file.close().map_err(error::hdf5("close", &aside))?;
+        space::trim(&aside, length)?;
+        seal::seal(&aside)?;
+        std::fs::rename(&aside, &path).map_err(error::io("rename", &aside))?;
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder_on_disk = std::fs::File::open(folder).and_then(|folder| folder.sync_all());
+        folder_on_disk.map_err(error::io("write", folder))
+    }
+}
+
+impl Material {
+    fn write(&mut self, part: &Part) -> hdf5::Result<()> {
+        let row = self.written;
+        let end = row + part.blocks.len();
+        let [indices, counts, extents] = &self.blocks;
+        let flat = |values: Vec<[i32; 3]>| values.into_flattened();
+        rows(indices, row, &flat(part.blocks.iter().map(|block| block.index).collect()))?;
+        rows(counts, row, &part.blocks.iter().map(|block| block.count).collect::<Vec<_>>())?;
+        let extent: Vec<[f64; 6]> = part.blocks.iter().map(|block| block.extent).collect();
+        rows(extents, row, &extent.into_flattened())?;
+        for ((name, dataset), values) in self.labels.iter().zip(&part.columns) {
+            if name == name::IDENTITY {
+                rows(dataset, self.particles, bytemuck::cast_slice::<_, u64>(values))?;
+            } else {
+                rows(dataset, self.particles, values)?;
+            }
+        }
+        self.particles += part.blocks.iter().map(|block| block.count as usize).sum::<usize>();
+        self.written = end;
+        Ok(())
+    }
+}
+
+/// Bytes of all datasets.
+fn room(head: &Head) -> usize {
+    let material = |m: &super::Material| {
+        let numbers: usize = m.labels.iter().map(|(_, width)| width).sum();
+        m.blocks * size_of::<super::BlockRow>() + m.particles * numbers * size_of::<f64>()
+    };
+    head.materials.iter().map(material).sum::<usize>() + SLACK + seal::LENGTH as usize
+}
+
+fn lay_out(file: &File, head: &Head) -> hdf5::Result<Vec<Material>> {
+    number(file, name::FORMAT, &FORMAT)?;
+    text(file, name::VERSION, &head.version)?;
+    text(file, name::ISA, &head.isa)?;
+    text(file, name::SCENE_NAME, &head.name)?;
+    text(file, name::SCENE_IDENTITY, &crate::input::identity::fingerprint(&head.scene))?;
+    number(file, name::TIME, &head.time)?;
+    number(file, name::STEPS, &head.steps)?;
+    number(file, name::UPDATES, &head.updates)?;
+    number(file, name::FRAMES, &head.recorded.frames)?;
+    number(file, name::DUE, &head.recorded.due)?;
+    number(file, name::LAST_ROW, &head.recorded.last[0])?;
+    number(file, name::LAST_FRAME, &head.recorded.last[1])?;
+    number(file, name::WALL, &head.recorded.wall_s)?;
+    number(file, name::OUTPUT, &head.recorded.output_s)?;
+    file.new_dataset::<VarLenUnicode>().create(name::SCENE)?.write_scalar(&word(&head.scene)?)?;
+    let shared = file.create_group(name::SHARED)?;
+    for (label, words) in &head.shared {
+        whole(&shared, label, words)?;
+    }
+    whole(file, name::LEDGER, &head.ledger)?;
+    let materials = file.create_group(name::MATERIALS)?;
+    let all = head.materials.iter().enumerate();
+    all.map(|(index, material)| lay_out_material(&materials.create_group(&index.to_string())?, material))
+        .collect()
+}
+
+fn lay_out_material(group: &Group, material: &super::Material) -> hdf5::Result<Material> {
+    text(group, name::MATERIAL_NAME, &material.name)?;
+    let names: Vec<&str> = material.labels.iter().map(|(name, _)| name.as_str()).collect();
+    text(group, name::LABELS, &names.join(" "))?;
+    let (blocks, particles) = (material.blocks, material.particles);
+    let tables = [
+        group.new_dataset::<i32>().shape((blocks, 3)).create(name::BLOCK_INDEX)?,
+        group.new_dataset::<u32>().shape((blocks, 1)).create(name::BLOCK_COUNT)?,
+        group.new_dataset::<f64>().shape((blocks, 6)).create(name::BLOCK_EXTENT)?,
+    ];
+    let columns = group.create_group(name::PARTICLES)?;
+    let column = |(name, width): &(String, usize)| {
+        let dataset = match name.as_str() {
+            name::IDENTITY => {
+                columns.new_dataset::<u64>().shape((particles, *width)).create(name.as_str())?
+            }
+            _ => columns.new_dataset::<f64>().shape((particles, *width)).create(name.as_str())?,
+        };
+        Ok((name.clone(), dataset))
+    };
+    let labels = material.labels.iter().map(column).collect::<hdf5::Result<_>>()?;
+    Ok(Material { blocks: tables, labels, written: 0, particles: 0 })
+}
+
+/// Writes rows of a dataset of two dimensions from row `begin` on.
+fn rows<T: H5Type>(dataset: &Dataset, begin: usize, values: &[T]) -> hdf5::Result<()> {
+    let width = dataset.shape().get(1).copied().unwrap_or(1).max(1);
+    if values.is_empty() {
+        return Ok(());
+    }
+    let count = values.len() / width;
+    let view = ArrayView2::from_shape((count, width), values)
+        .map_err(|error| hdf5::Error::Internal(error.to_string()))?;
+    dataset.write_slice(view, (begin..begin + count, ..))
+}
+
+fn whole<T: H5Type>(group: &Group, name: &str, values: &[T]) -> hdf5::Result<()> {
+    group.new_dataset::<T>().shape(values.len()).create(name)?.write_raw(values)
+}
+
+fn number<T: H5Type>(group: &Group, name: &str, value: &T) -> hdf5::Result<()> {
+    group.new_attr::<T>().create(name)?.write_scalar(value)
+}
+
+fn text(group: &Group, name: &str, value: &str) -> hdf5::Result<()> {
+    group.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&word(value)?)
+}
+
+fn word(text: &str) -> hdf5::Result<VarLenUnicode> {
+    text.parse().map_err(|_| hdf5::Error::Internal("a text holds a NUL".into()))
+}

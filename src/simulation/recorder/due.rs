@@ -1,0 +1,101 @@
+//! When a frame or a checkpoint is due.
+use crate::input::scene::{Checkpoint, Scene};
+use std::time::Instant;
+
+/// A hair early rather than a step late.
+const HAIR: f64 = 1e-12;
+
+/// How many whole intervals have passed.
+pub fn passed(time: f64, every: f64) -> usize {
+    (time / every * (1.0 + HAIR)).floor() as usize
+}
+
+/// Simulated time between two frames [s].
+pub fn frame_interval(scene: &Scene) -> f64 {
+    scene.run.until / scene.output.frames.max(1) as f64
+}
+
+/// The same, of a scene as it is written in a checkpoint.
+pub fn stored_frame_interval(resolved: &str) -> Option<f64> {
+    let scene: toml::Table = resolved.parse().ok()?;
+    let until = scene.get("run")?.get("until")?.as_float()?;
+    let frames = scene.get("output")?.get("frames")?.as_integer()?;
+    Some(until / frames.max(1) as f64)
+}
+
+/// Whether frame `number`, counted from 0, is due at a time.
+pub fn frame(time: f64, number: usize, scene: &Scene) -> bool {
+    time >= number as f64 * frame_interval(scene) * (1.0 - HAIR)
+}
+
+/// When checkpoints are due.
+#[derive(Debug)]
+pub struct Checkpoints {
+    last: Instant,
+    /// Intervals of simulated time that had passed at the last step.
+    passed: usize,
+    /// Whether this run has written one.
+    any: bool,
+}
+
+impl Checkpoints {
+    /// From a time on.
+    pub fn begin(time: f64, wanted: &Checkpoint) -> Self {
+        let passed = wanted.time.map_or(0, |every| passed(time, every));
+        Self { last: Instant::now(), passed, any: false }
+    }
+
+    /// Whether one is due after a step: the same on all ranks.
+    pub fn by_step(&mut self, steps: u64, time: f64, finished: bool, wanted: &Checkpoint) -> bool {
+        let passed = wanted.time.map_or(0, |every| passed(time, every));
+        let by_time = std::mem::replace(&mut self.passed, passed) < passed;
+        let by_steps = wanted.steps.is_some_and(|every| steps.is_multiple_of(every));
+        let at_end = finished && (self.any || wanted.steps.is_some() || wanted.time.is_some());
+        by_time || by_steps || at_end
+    }
+
+    /// Whether one is due by this rank's clock.
+    pub fn by_clock(&self, wanted: &Checkpoint) -> bool {
+        wanted.wall > 0.0 && self.last.elapsed().as_secs_f64() >= wanted.wall
+    }
+
+    /// After one is written.
+    pub fn written(&mut self) {
+        (self.last, self.any) = (Instant::now(), true);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NEVER: Checkpoint = Checkpoint { steps: None, time: None, wall: 0.0, kept: 2 };
+
+    /// The steps of 0.3 s after which one is due; the 20th is the last.
+    fn due(wanted: &Checkpoint) -> Vec<u64> {
+        let mut checkpoints = Checkpoints::begin(0.0, wanted);
+        (1..=20).filter(|&step| checkpoints.by_step(step, 0.3 * step as f64, step == 20, wanted)).collect()
+    }
+
+    #[test]
+    fn checkpoints_are_due_by_steps_by_time_and_at_the_end() {
+        assert!(due(&NEVER).is_empty());
+        assert_eq!(due(&Checkpoint { steps: Some(8), ..NEVER }), [8, 16, 20]);
+        // 1.5 s are passed with step 5, not with step 6
+        assert_eq!(due(&Checkpoint { time: Some(1.5), ..NEVER }), [5, 10, 15, 20]);
+        assert_eq!(due(&Checkpoint { time: Some(0.1), ..NEVER }).len(), 20);
+        assert_eq!(due(&Checkpoint { time: Some(100.0), ..NEVER }), [20]);
+    }
+
+    #[test]
+    fn the_clock_counts_from_the_last_one() {
+        let wanted = Checkpoint { wall: 1e-9, ..NEVER };
+        let mut checkpoints = Checkpoints::begin(0.0, &wanted);
+        assert!(!checkpoints.by_clock(&NEVER));
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        assert!(checkpoints.by_clock(&wanted));
+        checkpoints.written();
+        assert!(!checkpoints.by_clock(&Checkpoint { wall: 3600.0, ..NEVER }));
+        assert!(checkpoints.by_step(20, 6.0, true, &wanted), "a run that had one has one at the end");
+    }
+}

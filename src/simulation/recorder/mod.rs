@@ -1,0 +1,263 @@
+//! The folder of a run: scene, history, frames, checkpoints and summary. All ranks call what is here, rank 0 alone has
+//! the files.
+mod due;
+mod files;
+mod rows;
+mod summarize;
+
+use super::{Simulation, parcel, together};
+use crate::exec::ranks::{Network, collective};
+use crate::output::checkpoint::{self, Head, Reader, Recorded};
+use crate::output::frame;
+use crate::output::summary::{Status, Summary};
+use crate::output::{self, vtkhdf};
+use due::Checkpoints;
+use files::Files;
+pub use files::holds_run;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use summarize::Ending;
+
+/// Writes what a run leaves behind.
+pub struct Recorder {
+    folder: PathBuf,
+    /// On rank 0.
+    files: Option<Files>,
+    /// Number of the next frame.
+    due: usize,
+    checkpoints: Checkpoints,
+    /// Whether the last row, and the last frame, were written only because the run ends.
+    last: [bool; 2],
+    began: Instant,
+    /// What was recorded before a restart.
+    before: Recorded,
+    /// Seconds spent on output, without those before a restart.
+    pub output_s: f64,
+}
+
+/// What to do after a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// The next step, if there is one.
+    Go,
+    /// Nothing: the run was interrupted, and a checkpoint is written.
+    Stop,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum End {
+    /// As the scene says.
+    Completed,
+    /// It was stopped from outside.
+    Interrupted,
+    /// By an error.
+    Failed(String),
+}
+
+/// The last whole checkpoint of a folder, open on all ranks, and the damaged ones after it with what is wrong with them.
+/// Rank 0 looks for it.
+///
+/// # Errors
+/// If there is none, or it cannot be read: on all ranks.
+pub fn last_checkpoint(
+    network: &mut dyn Network,
+    folder: &Path,
+) -> output::Result<(Reader, checkpoint::Found)> {
+    let found = match network.rank() {
+        0 => checkpoint::last_whole(folder).map(Some),
+        _ => Ok(None),
+    };
+    let found = together::agree(network, found)?;
+    let mut words = Vec::new();
+    if let Some(found) = &found {
+        parcel::put(&mut words, found.path.as_os_str().as_encoded_bytes());
+    }
+    let words = together::from_first(network, words)?;
+    let path = found.as_ref().map_or_else(
+        || PathBuf::from(String::from_utf8_lossy(&parcel::take::<u8>(&mut &words[..])).into_owned()),
+        |found| found.path.clone(),
+    );
+    let reader = together::agree(network, Reader::open_verified(&path))?;
+    let none = checkpoint::Found { path, damaged: Vec::new(), warnings: Vec::new() };
+    Ok((reader, found.unwrap_or(none)))
+}
+
+impl Recorder {
+    /// Makes the folder, writes `scene.toml` and the first row and frame.
+    ///
+    /// # Errors
+    /// If the folder or a file in it cannot be written.
+    pub fn create(folder: &Path, simulation: &mut Simulation) -> output::Result<Self> {
+        let files = match simulation.network().rank() {
+            0 => Files::create(folder, &simulation.scene).map(Some),
+            _ => Ok(None),
+        };
+        let files = together::agree(simulation.network(), files)?;
+        let mut recorder = Self::new(folder, simulation, files);
+        recorder.row(simulation)?;
+        recorder.frame(simulation)?;
+        Ok(recorder)
+    }
+
+    /// Goes on in a folder from a checkpoint; what its files hold of later steps is dropped. Says what was not as it
+    /// should be.
+    ///
+    /// # Errors
+    /// If a file in the folder cannot be written.
+    pub fn resume(
+        folder: &Path,
+        simulation: &mut Simulation,
+        head: &Head,
+        damaged: &[PathBuf],
+    ) -> output::Result<(Self, Vec<String>)> {
+        // what a run leaves at its end is dropped, if now it does not end there
+        let dropped = head.recorded.last.map(|last| last && !simulation.finished());
+        let files = match simulation.network().rank() {
+            0 => Files::resume(folder, &simulation.scene, head, dropped, damaged).map(Some),
+            _ => Ok(None),
+        };
+        let (files, warnings) = together::agree(simulation.network(), files)?.unzip();
+        let mut recorder = Self::new(folder, simulation, files);
+        (recorder.before, recorder.last) =
+            (head.recorded, [0, 1].map(|i| head.recorded.last[i] && !dropped[i]));
+        let every = due::frame_interval(&simulation.scene);
+        let same = head.recorded.due > 0 && due::stored_frame_interval(&head.scene) == Some(every);
+        let due = head.recorded.due as usize - usize::from(dropped[1]);
+        recorder.due = if same { due } else { due::passed(head.time, every) + 1 };
+        Ok((recorder, warnings.unwrap_or_default()))
+    }
+
+    fn new(folder: &Path, simulation: &Simulation, files: Option<Files>) -> Self {
+        let checkpoints = Checkpoints::begin(simulation.clock().time, &simulation.scene.output.checkpoint);
+        let (folder, began, before) = (folder.to_owned(), Instant::now(), Recorded::default());
+        Self { folder, files, due: 0, checkpoints, last: [false; 2], began, before, output_s: 0.0 }
+    }
+
+    /// After a step: a row, a frame and a checkpoint, if they are due. A run that is `interrupted` on any rank gets a
+    /// checkpoint and stops.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn step(&mut self, simulation: &mut Simulation, interrupted: bool) -> output::Result<Next> {
+        let finished = simulation.finished();
+        let row = simulation.steps().is_multiple_of(simulation.scene.output.history_every.max(1));
+        let frame = due::frame(simulation.clock().time, self.due, &simulation.scene);
+        if row || finished {
+            self.row(simulation)?;
+        }
+        if frame || finished {
+            self.frame(simulation)?;
+        }
+        self.last = [finished && !row, finished && !frame];
+        let wanted = simulation.scene.output.checkpoint;
+        let (steps, time) = (simulation.steps(), simulation.clock().time);
+        let by_step = self.checkpoints.by_step(steps, time, finished, &wanted);
+        let by_clock = simulation.network().rank() == 0 && self.checkpoints.by_clock(&wanted);
+        // one message for both: whom a signal reached, and what the clock of rank 0 says
+        let mut wishes = [u64::from(interrupted), u64::from(by_clock)];
+        collective::sum(simulation.network(), &mut wishes)?;
+        let stop = wishes[0] > 0 && !finished;
+        if by_step || wishes[1] > 0 || stop {
+            self.checkpoint(simulation)?;
+        }
+        Ok(if stop { Next::Stop } else { Next::Go })
+    }
+
+    fn row(&mut self, simulation: &mut Simulation) -> output::Result<()> {
+        let began = Instant::now();
+        let report = simulation.report()?;
+        let written = self.files.as_mut().map_or(Ok(()), |files| files.history.row(&rows::cells(&report)));
+        together::agree(simulation.network(), written)?;
+        self.output_s += began.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn frame(&mut self, simulation: &mut Simulation) -> output::Result<()> {
+        if simulation.scene.output.frames == 0 {
+            return Ok(());
+        }
+        let began = Instant::now();
+        let writer = self.files.as_mut().and_then(|files| files.particles.as_mut());
+        let written = write_frame(writer, simulation);
+        together::agree(simulation.network(), written)?;
+        self.due += 1;
+        self.output_s += began.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn checkpoint(&mut self, simulation: &mut Simulation) -> output::Result<()> {
+        let began = Instant::now();
+        // what a checkpoint counts on must be on the disk before it
+        let synced = self.files.as_ref().map_or(Ok(()), Files::sync);
+        together::agree(simulation.network(), synced)?;
+        let frames = self.files.as_ref().and_then(|files| files.particles.as_ref()).map_or(0, |f| f.frames());
+        let recorded = Recorded {
+            frames: frames as u64,
+            due: self.due as u64,
+            last: self.last,
+            wall_s: self.wall_s(),
+            output_s: self.before.output_s + self.output_s,
+        };
+        simulation.write_checkpoint(&self.folder, recorded)?;
+        let kept = simulation.scene.output.checkpoint.kept;
+        let pruned = self.files.as_ref().map_or(Ok(()), |_| checkpoint::prune(&self.folder, kept));
+        together::agree(simulation.network(), pruned)?;
+        self.checkpoints.written();
+        self.output_s += began.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Seconds on the clock, with those before a restart.
+    fn wall_s(&self) -> f64 {
+        self.before.wall_s + self.began.elapsed().as_secs_f64()
+    }
+
+    /// Closes all files and writes `summary.json`. A run that failed leaves one more frame, if that can be written.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn finish(mut self, simulation: &mut Simulation, end: End) -> output::Result<Summary> {
+        let (status, error) = match end {
+            End::Completed => (Status::Completed, None),
+            End::Interrupted => (Status::Interrupted, None),
+            End::Failed(error) => {
+                // the error that matters is the one that ended the run
+                let _ = self.frame(simulation);
+                (Status::Failed, Some(error))
+            }
+        };
+        let writer = self.files.as_mut().and_then(|files| files.particles.take());
+        together::agree(simulation.network(), writer.map_or(Ok(()), vtkhdf::Writer::close))?;
+        let wall_s = self.wall_s();
+        let stepping_s = wall_s - self.output_s - self.before.output_s;
+        let summary = summarize::summarize(simulation, Ending { status, error, wall_s, stepping_s })?;
+        let path = self.folder.join("summary.json");
+        let written = self.files.map_or(Ok(()), |_| summary.write(&path));
+        together::agree(simulation.network(), written)?;
+        Ok(summary)
+    }
+}
+
+/// Writes a frame on rank 0 (the one with the writer), from pieces of all ranks.
+fn write_frame(mut writer: Option<&mut vtkhdf::Writer>, simulation: &mut Simulation) -> output::Result<()> {
+    let (time, step) = (simulation.clock().time, simulation.steps());
+    let mine = simulation.warehouse.particle_count();
+    let rank = simulation.network().rank();
+    let counts = together::all(simulation.network(), &[mine as u64])?;
+    let total = |ranks: &[Vec<u64>]| ranks.iter().map(|count| count[0] as usize).sum();
+    let (row, particles) = (total(&counts[..rank]), total(&counts));
+    let Simulation { scene, warehouse, network, .. } = simulation;
+    let snapshot = super::Snapshot::new(scene, warehouse);
+    let head = frame::Head { time, step, particles, fields: snapshot.fields().to_vec() };
+    let mut written = writer.as_mut().map_or(Ok(()), |writer| writer.begin(head));
+    // whatever fails here, the others send all they have
+    let take = |piece| {
+        if let (Ok(()), Some(writer)) = (&written, &mut writer) {
+            written = writer.piece(&piece);
+        }
+    };
+    parcel::collect(&mut **network, |give| snapshot.pieces(row, give), take)?;
+    written?;
+    writer.map_or(Ok(()), vtkhdf::Writer::end)
+}

@@ -1,0 +1,57 @@
+//! A command as one of several ranks.
+use super::fail::Failure;
+use sinew::exec::ranks::launch::{self, Launch};
+use sinew::exec::ranks::{Network, NetworkError, collective, pack, unpack};
+use sinew::input::scene::Scene;
+
+/// The ranks that were launched together, and how many of them share this machine.
+pub fn connect() -> Result<(Box<dyn Network>, usize), Failure> {
+    Launch::of_this_process().connect().map_err(Failure::usage)
+}
+
+/// Gives the scene its threads, if nobody asked for a number, and says what stands in their way.
+pub fn share_cores(scene: &mut Scene, here: usize, network: &dyn Network) {
+    let (threads, note) = launch::threads(scene.run.threads, here);
+    scene.run.threads = Some(threads);
+    if let (0, Some(note)) = (network.rank(), note) {
+        eprintln!("note: {note}");
+    }
+}
+
+fn lost(error: NetworkError) -> Failure {
+    Failure::Local(error.to_string())
+}
+
+/// The outcome of something that all ranks tried: none goes on if one failed, and only the first that did tells it.
+pub fn agree<T>(network: &mut dyn Network, mine: Result<T, Failure>) -> Result<T, Failure> {
+    if network.size() == 1 {
+        return mine;
+    }
+    let status = mine.as_ref().err().map_or(0, |failure| u64::from(failure.status()));
+    let all = collective::share(network, &[status]).map_err(lost)?;
+    match all.iter().flatten().enumerate().find(|(_, status)| **status > 0) {
+        Some((first, &status)) if first != network.rank() => Err(Failure::Elsewhere(status as u8)),
+        // who fails alone says so; what rank 0 knows, it says at its end
+        Some((first, &status)) if first > 0 => mine.map_err(|failure| {
+            eprintln!("on rank {first}: {}", failure.message());
+            Failure::Elsewhere(status as u8)
+        }),
+        _ => mine,
+    }
+}
+
+/// What rank 0 says, on all ranks.
+pub fn from_first(
+    network: &mut dyn Network,
+    say: impl FnOnce() -> Result<String, Failure>,
+) -> Result<String, Failure> {
+    let said = if network.rank() == 0 { say() } else { Ok(String::new()) };
+    let said = agree(network, said)?;
+    if network.size() == 1 {
+        return Ok(said);
+    }
+    let mut message = pack(&said.bytes().map(u64::from).collect::<Vec<_>>());
+    collective::broadcast(network, &mut message).map_err(lost)?;
+    let bytes: Vec<u8> = unpack(&message).iter().map(|&byte| byte as u8).collect();
+    Ok(String::from_utf8_lossy(&bytes).into())
+}
