@@ -24,15 +24,16 @@ pub struct Plan {
     pub traffic: Traffic,
 }
 
-/// Plans a run of `scene` on `ranks` ranks: on the patches that it asks for, or on a patch a rank.
+/// Plans a run of `scene` on `ranks` ranks: on the patches that it asks for, or on about
+/// `wanted`.
 ///
 /// # Errors
 /// Patches that do not fit the level, fewer patches than ranks, or no ranks.
-pub fn plan(scene: &Scene, ranks: usize) -> Result<Plan, String> {
+pub fn plan(scene: &Scene, wanted: usize, ranks: usize) -> Result<Plan, String> {
     if ranks == 0 {
         return Err("0 ranks cannot run anything: give --ranks 1 or more".to_owned());
     }
-    let (decomposition, costs) = layout::decompose(scene, ranks)?;
+    let (decomposition, costs) = layout::decompose(scene, wanted)?;
     let warehouse = outline(scene, decomposition.clone());
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
     let mut traffic = traffic::count(&warehouse, &partition);

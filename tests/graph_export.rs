@@ -31,7 +31,7 @@ struct Shown {
 fn shown(name: &str, overrides: Overrides<'_>, patches: [usize; 3], ranks: usize) -> Shown {
     let mut scene = problem(name, overrides);
     scene.run.patches = Some(patches);
-    let plan = plan(&scene, ranks).unwrap_or_else(|e| panic!("{e}"));
+    let plan = plan(&scene, 1, ranks).unwrap_or_else(|e| panic!("{e}"));
     let graph = step_graph(&scene, patches.iter().product()).unwrap_or_else(|e| panic!("{e}"));
     let cycle = rates::at_rest(&scene);
     Shown { scene, graph, cycle, plan }

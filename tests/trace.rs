@@ -136,9 +136,8 @@ fn a_diagram_takes_its_times_from_the_trace() {
     let (path, graph) = (folder.path().join("trace.json"), graph());
     traced(&path, &graph, 1, 0);
     let measured = read(&path).unwrap_or_else(|e| panic!("{e}"));
-    let mut scene = common::problem("slab-quick", &[]);
-    scene.run.patches = Some([2, 1, 1]);
-    let (plan, cycle) = (plan(&scene, 1).expect("a plan"), rates::at_rest(&scene));
+    let scene = common::problem("slab-quick", &[]);
+    let (plan, cycle) = (plan(&scene, 2, 1).expect("a plan"), rates::at_rest(&scene));
     for expanded in [false, true] {
         let make = if expanded { Diagram::expanded } else { Diagram::collapsed };
         let diagram = make(&graph, &cycle, &plan.traffic, Some(&measured));

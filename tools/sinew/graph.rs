@@ -39,7 +39,7 @@ pub struct Args {
     /// Output form
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Ranks that share the patches (default patches: one a rank; a run cuts eight a thread)
+    /// Ranks that share the patches (default: eight patches a rank, as a run with one thread each)
     #[arg(long, value_name = "N", default_value_t = 1)]
     ranks: usize,
     /// One node a task and patch, instead of one a task
@@ -62,10 +62,14 @@ pub struct Args {
     trace: Option<PathBuf>,
 }
 
+/// Patches a rank, if nobody says how many.
+const PATCHES: usize = 8;
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = args.scene.read()?;
-    let plan = plan::plan(&scene, args.ranks).map_err(Failure::usage)?;
+    let wanted = if args.ranks > 1 { PATCHES * args.ranks } else { 1 };
+    let plan = plan::plan(&scene, wanted, args.ranks).map_err(Failure::usage)?;
     let patches = plan.decomposition.patches.len();
     let mut graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
     if let Some(what) = &args.why {
