@@ -36,12 +36,3 @@ pub fn derive(phases: &mut [Phase]) -> Vec<LabelId> {
     }
     open.into_iter().collect()
 }
-
-/// The node labels that a phase receives, each with the material whose stage reads it (`None`: all materials).
-pub fn needs(phase: &Phase) -> BTreeSet<(LabelId, Option<usize>)> {
-    let of = |stage: &super::fuse::Stage, label| {
-        stage.touches(label, Mode::reads).then_some((label, stage.material))
-    };
-    let needs = |&label| phase.stages.iter().filter_map(move |stage| of(stage, label));
-    phase.halos.iter().flat_map(needs).collect()
-}

@@ -1,5 +1,4 @@
 //! What patches and ranks send each other in a tick, as plain numbers from who has the data.
-use super::exchange;
 use super::fuse::Phase;
 use crate::data::label::Home;
 use crate::data::labels::LabelId;
@@ -32,7 +31,10 @@ pub struct Traffic {
     pub between: BTreeMap<(usize, usize), Lines>,
     /// From a patch to a rank. What several patches of a rank read travels once.
     pub to_rank: BTreeMap<(usize, usize), Lines>,
-    /// Pairs of ranks (both ways) whose patches lie side by side.
+    /// For each patch and rank, the particle blocks of the patch that nodes of the rank surround: each has a line in a
+    /// message that says which nodes it touches.
+    pub givers: BTreeMap<(usize, usize), u64>,
+    /// Pairs of ranks (both ways) that have blocks in sight of each other.
     pub neighbors: BTreeSet<(usize, usize)>,
     /// Messages of one reduction, from rank to rank.
     pub reduction: Vec<(usize, usize)>,
@@ -115,18 +117,20 @@ impl Traffic {
         lines.filter(|&(patch, rank, _)| self.rank_of[patch] != rank)
     }
 
-    /// The halos of a phase: one message for each pair of ranks between which something travels.
+    /// The halos of a phase: one message for each pair of ranks of which one has particles beside nodes of the other.
     pub fn halo(&self, phase: &Phase) -> Pairs {
-        let needs = exchange::needs(phase);
-        let mut pairs = BTreeMap::new();
+        let mut pairs = Pairs::new();
+        let back = phase.halos.contains(&LabelId::NodeMotion);
+        for (&(patch, to), &blocks) in self.givers.iter().filter(|((p, to), _)| self.rank_of[*p] != *to) {
+            let from = self.rank_of[patch];
+            // motion comes back to who has given
+            let (pair, lines) = if back { ((to, from), 0) } else { ((from, to), blocks) };
+            let messages = pairs.entry(pair).or_default();
+            (messages.count, messages.bytes) = (1, messages.bytes + LINE * lines);
+        }
         for (patch, to, lines) in self.traveling() {
-            let needed = |&(&(label, m), _): &(&(LabelId, usize), &u64)| {
-                needs.contains(&(label, None)) || needs.contains(&(label, Some(m)))
-            };
-            let bytes = LINE * lines.iter().filter(needed).map(|(_, lines)| lines).sum::<u64>();
-            if bytes > 0 {
-                let messages: &mut Messages = pairs.entry((self.rank_of[patch], to)).or_default();
-                (messages.count, messages.bytes) = (1, messages.bytes + bytes);
+            if let Some(messages) = pairs.get_mut(&(self.rank_of[patch], to)) {
+                messages.bytes += LINE * select(lines, &phase.halos, None);
             }
         }
         pairs
@@ -140,11 +144,11 @@ impl Traffic {
         pairs
     }
 
-    /// Bytes of all shared values of `labels`.
+    /// Bytes of a message with all shared values of `labels`, and a line that counts particles.
     pub fn reduced_bytes(&self, labels: &[LabelId]) -> u64 {
         let materials = self.particles.first().map_or(1, Vec::len) as u64;
         let tiles = |label: &LabelId| if label.home() == Home::Material { materials } else { 1 };
-        labels.iter().map(|label| LINE * label.width() as u64 * tiles(label)).sum()
+        LINE * (1 + labels.iter().map(|label| label.width() as u64 * tiles(label)).sum::<u64>())
     }
 
     /// One message to each neighbor, with a line that says how many particles follow.
