@@ -6,7 +6,6 @@ pub mod launch;
 pub mod local;
 pub mod migrate;
 #[cfg(feature = "mpi")]
-#[allow(unsafe_code)]
 pub mod mpi;
 pub mod occupied;
 pub mod reduction;

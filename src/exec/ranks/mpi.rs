@@ -3,6 +3,7 @@
 //! All calls come from the thread that started MPI (funneled). Messages travel by nonblocking calls whose memory this
 //! module owns until they are done; that is what the unsafe code here is for, because the safe interface of the crate
 //! binds requests to a scope, and a step is no scope.
+#![allow(unsafe_code)]
 use super::{Channel, Network, NetworkError};
 use crate::simd::{LANES, Wide};
 use mpi::datatype::Equivalence;
