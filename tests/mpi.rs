@@ -109,7 +109,11 @@ fn an_error_is_told_once_and_ends_all_ranks() {
         (&["--patches", "2x1x1"], 2, "3 ranks cannot share 2 patches"),
         (&["--patches", "99x1x1"], 2, "99 patches along x"),
         (&["--set", "run.smallest-step=1"], 1, "the time step collapsed"),
-        (&["--set", "body.bullet.velocity=[0, 5000, 0]", "--set", "run.leaving=error"], 1, "left the domain at"),
+        (
+            &["--set", "body.bullet.velocity=[0, 5000, 0]", "--set", "run.leaving=error"],
+            1,
+            "left the domain at",
+        ),
     ];
     for (arguments, status, message) in cases {
         let began = Instant::now();

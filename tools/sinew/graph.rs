@@ -1,6 +1,6 @@
 //! `sinew graph`: the tasks of a step and what passes between them.
+use super::args::SceneArgs;
 use super::fail::Failure;
-use super::run::SceneArgs;
 use sinew::graph::build::TaskGraph;
 use sinew::graph::check::hazards;
 use sinew::graph::diagram::Diagram;

@@ -1,4 +1,5 @@
 //! The `sinew` command: one file a subcommand.
+mod args;
 mod bench;
 mod check;
 mod compare;
@@ -30,7 +31,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Run(run::Args),
+    Run(args::RunArgs),
     Check(check::Args),
     Graph(graph::Args),
     Wound(wound::Args),
