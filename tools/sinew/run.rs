@@ -50,9 +50,15 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         }
         End::Completed => {}
     }
-    let shown = if first { show(&simulation.scene, &folder) } else { Ok(()) };
-    simulation.network().part(None);
-    shown
+    if simulation.network().size() > 1 {
+        // a picture takes a whole frame: no rank holds the particles of all
+        if first && simulation.scene.output.frames > 0 {
+            println!("to see it      sinew picture {0}; sinew wound {0}", folder.display());
+        }
+        simulation.network().part(None);
+        return Ok(());
+    }
+    show(&simulation.scene, &folder)
 }
 
 /// Wound table and pictures, if the scene has them.
