@@ -80,7 +80,7 @@ fn between(warehouse: &Warehouse, part: impl Fn(usize) -> usize) -> BTreeMap<(us
 }
 
 /// The nodes of the `q`-th block around that lie in the touched part of a block's buffer, one bit each.
-fn shared(q: usize, touched: &IndexBox) -> u64 {
+pub fn shared(q: usize, touched: &IndexBox) -> u64 {
     let mut nodes = 0;
     pencils(back(q), touched, |own, _| own.for_each(|node| nodes |= 1 << node));
     nodes
