@@ -246,7 +246,9 @@ fn a_short_measurement_has_all_rows_the_same_state_and_a_prediction() {
         assert_eq!(number(&parts["messages"]), 0.0, "one rank sends nothing");
     }
     assert_eq!(number(&report["rows"][0]["efficiency"]), 1.0);
-    assert_eq!(report["checks"].as_array().map(Vec::len), Some(4));
+    // rows on more workers than there are cores are not checked
+    let checks = report["checks"].as_array().expect("checks");
+    assert!(checks.len() >= 2 && checks.iter().all(|check| number(&check["model_ms"]) > 0.0));
     for series in ["strong", "weak_points"] {
         let points = report[series].as_array().expect("points");
         assert!(points.len() > 4 && number(&points[0]["efficiency"]) == 1.0, "{series}");

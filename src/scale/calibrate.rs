@@ -112,11 +112,13 @@ pub fn pack(tallies: &[Option<Tally>]) -> Option<f64> {
     Some(tally.ranks.iter().map(|rank| rank.pack).sum::<f64>() / packed(tally) as f64)
 }
 
-/// Task time of one run on several workers over that of a run on one.
-pub fn contention(several: &Tally, one: &Tally) -> f64 {
-    let tasks =
-        |tally: &Tally| tally.ranks.iter().map(|rank| rank.tasks[1]).sum::<f64>() / tally.steps.max(1) as f64;
-    (tasks(several) / tasks(one).max(1.0)).max(1.0)
+/// Task time of a run on several workers over what the costs of one worker make of it.
+pub fn contention(several: &Tally, costs: &Costs, field: &Field) -> f64 {
+    let tasks: f64 = several.ranks.iter().map(|rank| rank.tasks[1]).sum();
+    let prices = costs.give.iter().zip(&costs.take).map(|(give, take)| give + take);
+    let particles: f64 = field.particles().iter().zip(prices).map(|(count, price)| count * price).sum();
+    let alone = particles + field.nodes() * costs.node;
+    (tasks / several.steps.max(1) as f64 / alone.max(1.0)).max(1.0)
 }
 
 /// Bytes of the reduction of a tick: its labels, and a line of counters.

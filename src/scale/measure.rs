@@ -227,10 +227,13 @@ fn results(folder: &Path, warm: u64) -> Result<(Summary, Tally), String> {
     Ok((summary, tally))
 }
 
-/// What a program says, in one line.
+/// What a program says, in one line: from its first error on, without the words of the launcher around it.
 fn words(text: &str) -> String {
+    let starts = ["× ", "error: "].map(|mark| text.find(mark).map(|at| at + mark.len()));
+    let said = starts.into_iter().flatten().min().map_or(text, |at| &text[at..]);
+    let said = said.split("-----").find(|part| !part.trim().is_empty()).unwrap_or_default();
     let all: Vec<&str> =
-        text.split(|c: char| c.is_whitespace() || c == '│').filter(|w| !w.is_empty()).collect();
+        said.split(|c: char| c.is_whitespace() || c == '│').filter(|word| !word.is_empty()).collect();
     let line = all.join(" ");
     match line.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{} …", &line[..end]),
@@ -241,3 +244,45 @@ fn words(text: &str) -> String {
 
 /// Letters of an error in a table.
 const LONGEST: usize = 300;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_told_without_the_words_of_the_launcher() {
+        let told = "-----\nPrimary job aborted.\n-----\n  × 2 ranks cannot\n  │ share 1 patch\n\n-----\nmpirun detected\n";
+        assert_eq!(words(told), "2 ranks cannot share 1 patch");
+        assert_eq!(words("-----\nNo such launcher\n-----\n"), "No such launcher");
+        assert_eq!(words("  \n"), "it failed without a word");
+    }
+
+    #[test]
+    fn few_workers_come_first() {
+        let plan = Plan {
+            scene: "scene".into(),
+            set: Vec::new(),
+            patches: vec![Patches::Total(1), Patches::Grid([2, 1, 2])],
+            threads: vec![2, 1],
+            ranks: vec![2, 1],
+            steps: 1,
+            warm: 0,
+            repeat: 1,
+            weak: false,
+            launcher: "mpirun -n {ranks}".to_owned(),
+            program: "sinew".into(),
+            folder: "scaling".into(),
+        };
+        let cases: Vec<_> =
+            plan.cases().iter().map(|case| (case.ranks, case.threads, case.patches)).collect();
+        let (one, grid) = (Patches::Total(1), Patches::Grid([2, 1, 2]));
+        assert_eq!(cases[..4], [(1, 1, one), (1, 1, grid), (1, 2, one), (1, 2, grid)]);
+        assert_eq!(cases[4..], [(2, 1, one), (2, 1, grid), (2, 2, one), (2, 2, grid)]);
+        let line = command(&plan, 2).expect("a launcher");
+        let words: Vec<_> = line.get_args().map(|arg| arg.to_string_lossy().into_owned()).collect();
+        assert_eq!(
+            (line.get_program().to_str(), &words[..]),
+            (Some("mpirun"), &["-n", "2", "sinew"].map(String::from)[..])
+        );
+    }
+}

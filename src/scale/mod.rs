@@ -18,6 +18,7 @@ pub mod row;
 pub mod series;
 pub mod table;
 pub mod tally;
+mod tick;
 pub mod torus;
 pub mod validate;
 pub mod wires;

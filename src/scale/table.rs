@@ -194,7 +194,19 @@ pub fn predicted_csv(strong: &[Point], weak: &[Point]) -> String {
 /// The model against measured rows.
 pub fn checks(checks: &[Check]) -> String {
     let mut lines = vec![
-        ["patches", "threads", "ranks", "measured ms", "model ms", "error %", ""].map(str::to_owned).to_vec(),
+        [
+            "patches",
+            "threads",
+            "ranks",
+            "measured ms",
+            "model ms",
+            "error %",
+            "measured kB/rank",
+            "model kB/rank",
+            "",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
     ];
     lines.extend(checks.iter().map(|check| {
         vec![
@@ -204,6 +216,8 @@ pub fn checks(checks: &[Check]) -> String {
             format!("{:.3}", check.measured_ms),
             format!("{:.3}", check.model_ms),
             format!("{:+.1}", 100.0 * check.error),
+            format!("{:.1}", 1e-3 * check.measured_bytes),
+            format!("{:.1}", 1e-3 * check.model_bytes),
             if check.fitted { "fitted" } else { "" }.to_owned(),
         ]
     }));

@@ -257,9 +257,10 @@ fn predict(
     let read = reader(args);
     let mut costs = calibrate::calibrate(plan, &read, &graph, &mut say(args)).map_err(Failure::Run)?;
     costs.pack = calibrate::pack(tallies).unwrap_or(costs.pack);
-    let fitted = fit(&report.rows, tallies, &mut costs, args.weak);
-    report.reduced_bytes = calibrate::reduced_bytes(scene, &graph.at_end);
     let field = Field::of(scene).map_err(Failure::usage)?;
+    // with --weak the rows are other scenes
+    let fitted = if args.weak { None } else { fit(&report.rows, tallies, &mut costs, &field) };
+    report.reduced_bytes = calibrate::reduced_bytes(scene, &graph.at_end);
     println!("\nmodel          of {}", report.machine);
     print!("{costs}");
     let mut setup = Setup {
@@ -272,8 +273,9 @@ fn predict(
     if !report.rows.is_empty() && !args.weak {
         let here = here(plan);
         let own = Setup { cluster: here, ..setup.clone() };
+        let level = layout::level(scene);
         report.checks =
-            validate(&field, &layout::level(scene), &report.rows, &own, fitted).map_err(Failure::Run)?;
+            validate(&field, &level, &report.rows, &own, (fitted, cores_here())).map_err(Failure::Run)?;
         report.here = Some(here);
         show_checks(report, here);
     }
@@ -284,17 +286,17 @@ fn predict(
 }
 
 /// Fits what sharing memory costs to the first row on several workers; returns which that is.
-fn fit(rows: &[Row], tallies: &[Option<Tally>], costs: &mut Costs, weak: bool) -> Option<usize> {
-    let all = cores().0.unwrap_or(1);
-    let done = |number: &usize| tallies.get(*number).is_some_and(Option::is_some);
-    let several = |number: &usize| (2..=all).contains(&rows[*number].workers());
-    let fitted = (0..rows.len()).filter(done).find(several).filter(|_| !weak)?;
-    let alone = |number: &usize| rows[*number].workers() == 1 && rows[*number].grid == rows[fitted].grid;
-    let one = (0..rows.len()).filter(done).find(alone)?;
-    if let (Some(Some(several)), Some(Some(one))) = (tallies.get(fitted), tallies.get(one)) {
-        costs.contention = calibrate::contention(several, one);
-    }
+fn fit(rows: &[Row], tallies: &[Option<Tally>], costs: &mut Costs, field: &Field) -> Option<usize> {
+    let several = |number: &usize| (2..=cores_here()).contains(&rows[*number].workers());
+    let tally = |number: usize| Some((number, tallies.get(number)?.as_ref()?));
+    let (fitted, tally) = (0..rows.len()).filter(several).find_map(tally)?;
+    costs.contention = calibrate::contention(tally, costs, field);
     Some(fitted)
+}
+
+/// Cores of this machine.
+fn cores_here() -> usize {
+    cores().0.unwrap_or(cores().1)
 }
 
 /// The network between ranks on this machine, as a ping between two of them measures it.
@@ -358,5 +360,5 @@ fn machine() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
     let name = model.map_or("unknown", |(_, name)| name.trim());
-    format!("{name}, {} cores", cores().0.unwrap_or_else(|| cores().1))
+    format!("{name}, {} cores", cores_here())
 }
