@@ -8,6 +8,7 @@ pub mod input;
 pub mod output;
 pub mod physics;
 pub mod plan;
+pub mod scale;
 pub mod simd;
 pub mod simulation;
 #[path = "../tasks/mod.rs"]

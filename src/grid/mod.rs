@@ -7,6 +7,11 @@ pub use level::{BLOCK, Level};
 pub use partition::Partition;
 pub use patch::{Decomposition, Patch};
 
+/// Position of a point on the curve along which ranks share patches (Hilbert).
+pub fn curve(point: [u32; 3]) -> u64 {
+    partition::hilbert(point)
+}
+
 /// Index of a block on each axis. Block b owns the nodes 4b to 4b+3.
 pub type BlockIndex = [i32; 3];
 

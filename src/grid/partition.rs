@@ -119,7 +119,7 @@ fn greedy(costs: &[u64], pieces: usize, most: u64) -> Vec<usize> {
 }
 
 /// Position on the Hilbert curve through a cube of 2²¹ points a side. J. Skilling, AIP Conf. Proc. 707, 2004, 381–387.
-fn hilbert(mut x: [u32; 3]) -> u64 {
+pub(super) fn hilbert(mut x: [u32; 3]) -> u64 {
     const BITS: u32 = 21;
     for bit in (1..BITS).rev() {
         let (q, below) = (1 << bit, (1 << bit) - 1);

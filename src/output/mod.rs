@@ -1,7 +1,7 @@
 //! Files for people and for other programs.
 pub mod checkpoint;
 pub mod compare;
-mod error;
+pub(crate) mod error;
 pub mod frame;
 pub mod history;
 pub mod picture;

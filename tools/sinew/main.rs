@@ -6,10 +6,12 @@ mod compare;
 mod fail;
 mod graph;
 mod picture;
+mod ping;
 mod progress;
 mod ranks;
 mod restart;
 mod run;
+mod scale;
 mod scene_docs;
 mod signals;
 mod wound;
@@ -38,6 +40,8 @@ enum Command {
     Picture(picture::Args),
     Compare(compare::Args),
     Bench(bench::Args),
+    Scale(scale::Args),
+    Ping(ping::Args),
     SceneDocs(scene_docs::Args),
 }
 
@@ -82,6 +86,8 @@ fn main() -> ExitCode {
         Command::Picture(args) => picture::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Scale(args) => scale::run(&args),
+        Command::Ping(args) => ping::run(&args),
         Command::SceneDocs(args) => scene_docs::run(&args),
     };
     match result {

@@ -33,7 +33,7 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
     let Ending { status, error, wall_s, stepping_s } = ending;
     let report = simulation.report()?;
     let energy = report.energy();
-    let [particle_bytes, node_bytes, updates] = over_ranks(simulation)?;
+    let [particle_bytes, node_bytes, peak_bytes, updates] = over_ranks(simulation)?;
     let (state_hash, ranks) = (simulation.state_hash(), simulation.network().size());
     let rate = updates as f64 / stepping_s.max(f64::MIN_POSITIVE);
     let total = |part: fn(&MaterialReport) -> [f64; 3]| {
@@ -42,6 +42,7 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
     let failing: Vec<&MaterialReport> = report.materials.iter().filter(|m| m.fails).collect();
     let more = [
         ("memory_bytes", serde_json::json!({ "particles": particle_bytes, "nodes": node_bytes })),
+        ("peak_bytes", peak_bytes.into()),
         ("deleted_j", report.deleted_energy.into()),
         ("stepping_s", stepping_s.into()),
         ("ticks", simulation.ticks().into()),
@@ -86,13 +87,23 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
     })
 }
 
-/// Bytes of particles and of nodes, the most of a rank, and the particles moved by all.
-fn over_ranks(simulation: &mut Simulation) -> output::Result<[u64; 3]> {
+/// Bytes of particles, of nodes and of all that a process ever had (0: unknown), the most of a rank, and the particles
+/// moved by all.
+fn over_ranks(simulation: &mut Simulation) -> output::Result<[u64; 4]> {
     let ((particles, nodes), updates) = (simulation.bytes(), simulation.updates());
     let network: &mut dyn Network = simulation.network();
-    let all = together::all(network, &[particles as u64, nodes as u64, updates])?;
+    let all = together::all(network, &[particles as u64, nodes as u64, peak_bytes(), updates])?;
     let column = |i: usize| all.iter().map(move |numbers| numbers[i]);
-    Ok([column(0).max().unwrap_or(0), column(1).max().unwrap_or(0), column(2).sum()])
+    let most = |i: usize| column(i).max().unwrap_or(0);
+    Ok([most(0), most(1), most(2), column(3).sum()])
+}
+
+/// The most memory that this process has had [B], where the system says so; else 0.
+fn peak_bytes() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let number = line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok());
+    number.map_or(0, |kilobytes| 1024 * kilobytes)
 }
 
 fn first_failures(report: &Report) -> BTreeMap<String, FirstFailure> {

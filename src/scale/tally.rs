@@ -1,0 +1,158 @@
+//! Where the time of a run went, from its trace: by rank and by kind of work.
+//!
+//! The first worker of a rank works on everything that is not tasks: its time line is that of the rank. What lies
+//! between its events is the engine: lists of blocks, handing out work, checks.
+use crate::exec::trace::Kind;
+use crate::output::error::{Error, Result, io};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Trace {
+    trace_events: Vec<Line>,
+    #[serde(default)]
+    other_data: OtherData,
+}
+
+#[derive(Default, Deserialize)]
+struct OtherData {
+    #[serde(default)]
+    lost_events: u64,
+}
+
+#[derive(Deserialize)]
+struct Line {
+    ph: String,
+    #[serde(default)]
+    cat: String,
+    #[serde(default)]
+    ts: f64,
+    #[serde(default)]
+    dur: f64,
+    #[serde(default)]
+    pid: usize,
+    #[serde(default)]
+    tid: usize,
+    #[serde(default)]
+    args: Arguments,
+}
+
+#[derive(Default, Deserialize)]
+struct Arguments {
+    #[serde(default)]
+    tasks: Vec<String>,
+    material: Option<String>,
+    step: Option<u64>,
+    #[serde(default)]
+    messages: u64,
+    #[serde(default)]
+    bytes: u64,
+}
+
+/// The time of a rank, over the steps that count.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rank {
+    /// From the first step that counts to the end of the last [ns].
+    pub span: f64,
+    /// In tasks: the first worker, and all workers [ns].
+    pub tasks: [f64; 2],
+    /// Packing and sending node data [ns].
+    pub pack: f64,
+    /// Waiting for node data, and putting them in their place [ns].
+    pub halo: f64,
+    /// In reductions, and waiting for travelers [ns].
+    pub reduce: f64,
+    /// Looking for particles that move [ns].
+    pub relocate: f64,
+    /// Waiting for other workers: the first worker [ns].
+    pub idle: f64,
+    /// Messages of halos and relocation.
+    pub messages: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Bytes of halos among them.
+    pub packed: u64,
+    /// Workers.
+    pub workers: usize,
+}
+
+impl Rank {
+    /// What the first worker did that was neither tasks nor talk nor waiting [ns].
+    pub fn engine(&self) -> f64 {
+        (self.span - self.tasks[0] - self.pack - self.halo - self.reduce - self.idle).max(0.0)
+    }
+}
+
+/// A trace, summed up over the steps that count.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Steps that count.
+    pub steps: u64,
+    /// The ranks.
+    pub ranks: Vec<Rank>,
+    /// Task time by stage (names of its tasks) and material, over all ranks and workers [ns].
+    pub stages: BTreeMap<(Vec<String>, Option<String>), f64>,
+    /// Events that the recorder had no room for.
+    pub lost: u64,
+}
+
+/// Sums up a trace from step `first` on, but for its last step, whose end is that of the run.
+///
+/// # Errors
+/// A file that cannot be read, is no trace, or holds no step that counts.
+pub fn read(path: &Path, first: u64) -> Result<Tally> {
+    let file = File::open(path).map_err(io("open", path))?;
+    let problem = |problem: String| Error::Content { path: path.into(), problem };
+    let trace: Trace = serde_json::from_reader(BufReader::new(file))
+        .map_err(|error| problem(format!("not a trace that sinew run --trace wrote: {error}")))?;
+    let events = || trace.trace_events.iter().filter(|line| line.ph == "X");
+    let last = events().filter_map(|line| line.args.step).max().unwrap_or(0);
+    if last <= first {
+        return Err(problem(format!("the trace ends with step {last}: no step after {first} is whole")));
+    }
+    let mut tally = Tally { steps: last - first, lost: trace.other_data.lost_events, ..Tally::default() };
+    let ranks = trace.trace_events.iter().map(|line| line.pid + 1).max().unwrap_or(1);
+    tally.ranks.resize(ranks, Rank::default());
+    let mut bounds = vec![[f64::INFINITY; 2]; ranks];
+    for line in trace.trace_events.iter() {
+        tally.ranks[line.pid].workers = tally.ranks[line.pid].workers.max(line.tid + 1);
+        let Some(step) = line.args.step.filter(|_| line.ph == "X") else { continue };
+        // a rank is at a step as soon as one of its workers is
+        for (bound, _) in bounds[line.pid].iter_mut().zip([first, last]).filter(|(_, edge)| step == *edge) {
+            *bound = bound.min(1e3 * line.ts);
+        }
+        if (first..last).contains(&step) {
+            add(&mut tally, line);
+        }
+    }
+    for (rank, [begin, end]) in tally.ranks.iter_mut().zip(bounds) {
+        rank.span = if end.is_finite() && begin.is_finite() { end - begin } else { 0.0 };
+    }
+    Ok(tally)
+}
+
+fn add(tally: &mut Tally, line: &Line) {
+    let (rank, ns, args) = (&mut tally.ranks[line.pid], 1e3 * line.dur, &line.args);
+    rank.messages += args.messages;
+    rank.bytes += args.bytes;
+    match Kind::ALL.into_iter().find(|kind| kind.name() == line.cat) {
+        Some(Kind::Task) => {
+            rank.tasks[1] += ns;
+            rank.tasks[0] += if line.tid == 0 { ns } else { 0.0 };
+            *tally.stages.entry((args.tasks.clone(), args.material.clone())).or_default() += ns;
+        }
+        Some(Kind::HaloWait) if args.bytes > 0 => {
+            rank.pack += ns;
+            rank.packed += args.bytes;
+        }
+        Some(Kind::HaloWait) => rank.halo += ns,
+        Some(Kind::ReduceWait) => rank.reduce += ns,
+        Some(Kind::Relocate) => rank.relocate += ns,
+        Some(Kind::Idle) if line.tid == 0 => rank.idle += ns,
+        _ => {}
+    }
+}

@@ -1,0 +1,287 @@
+//! `sinew scale`: the simulation of ticks against closed forms, and a short measurement through the command.
+use assert_cmd::Command;
+use sinew::scale::load::{Edge, Listed, Load, Ranks};
+use sinew::scale::model::{Cluster, Costs};
+use sinew::scale::predict::{Outcome, Setup, simulate};
+use sinew::scale::series;
+use sinew::scale::torus::{Brick, Torus};
+
+fn costs() -> Costs {
+    Costs { give: vec![20.0], take: vec![25.0], node: 900.0, contention: 1.0, ..Costs::default() }
+}
+
+fn setup(cluster: Cluster) -> Setup {
+    Setup { costs: costs(), cluster, threads: 1, reduced: 0.0, ticks: 5 }
+}
+
+fn brick(blocks: f64) -> Brick {
+    Brick {
+        particles: vec![512.0 * blocks],
+        blocks,
+        nodes: 1.4,
+        reach: [0.3, 2.0],
+        buffers: 1.0,
+        patches: 8.0,
+    }
+}
+
+fn near(a: f64, b: f64, tolerance: f64) {
+    assert!((a - b).abs() <= tolerance * b.abs(), "{a} instead of {b}");
+}
+
+/// Ranks in a row, all with the same load, that send `sums` and `motion` to both sides.
+fn row(count: usize, load: Load, sums: f32, motion: f32) -> Listed {
+    let edges = |rank: usize| {
+        let beside = [rank.checked_sub(1), Some(rank + 1).filter(|&next| next < count)];
+        beside.into_iter().flatten().map(|to| Edge { to: to as u32, sums, motion }).collect()
+    };
+    Listed { loads: vec![load; count], edges: (0..count).map(edges).collect() }
+}
+
+/// Two halves that exchange `bytes` of sums and of motion.
+fn pair(rim: f64, inner: f64, bytes: f32) -> Listed {
+    let load = Load { rim: [rim; 3], inner: [inner; 3], blocks: [8.0, 64.0], slabs: 1.0, ..Load::default() };
+    row(2, load, bytes, bytes)
+}
+
+/// Wires between machines that cost latency alone.
+fn far(latency: f64) -> Cluster {
+    Cluster { latency, ranks: 1, ..Cluster::free() }
+}
+
+#[test]
+fn one_rank_takes_the_sum_of_its_costs() {
+    let load = Load {
+        rim: [0.0; 3],
+        inner: [3e6, 1e6, 4e6],
+        blocks: [0.0, 500.0],
+        lists: 2e5,
+        relocate: 1e5,
+        slabs: 10.0,
+    };
+    let outcome = simulate(&row(1, load, 0.0, 0.0), &setup(Cluster::default()));
+    near(outcome.step, 8.3e-3, 1e-12);
+    near(outcome.shares.compute, 8.0 / 8.3, 1e-12);
+    near(outcome.shares.engine, 0.3 / 8.3, 1e-12);
+    assert_eq!((outcome.shares.halo, outcome.shares.reduction), (0.0, 0.0));
+}
+
+#[test]
+fn several_workers_share_tasks_but_not_the_engine() {
+    let load =
+        Load { inner: [8e6, 0.0, 0.0], blocks: [0.0, 1000.0], lists: 1e6, slabs: 1.0, ..Load::default() };
+    let four = Setup { threads: 4, ..setup(Cluster::default()) };
+    let outcome = simulate(&row(1, load, 0.0, 0.0), &four);
+    // half a block of 8 us is left over, on three of four workers
+    near(outcome.step, 1e-9 * (1e6 + 2e6 + 0.5 * 8e3 * 0.75), 1e-12);
+}
+
+#[test]
+fn two_ranks_that_have_nothing_else_to_do_wait_for_every_message() {
+    // sums and motion wait for their messages, travelers for a third, and both reductions for one each
+    let (rim, latency) = (1e6, 1e-3);
+    let outcome = simulate(&pair(rim, 0.0, 64.0), &setup(far(latency)));
+    near(outcome.step, 3e-9 * rim + 5.0 * latency, 1e-9);
+    near(outcome.shares.halo, 2.0 * latency / outcome.step, 1e-6);
+    near(outcome.path[3], 5.0 * latency / outcome.step, 1e-3);
+}
+
+#[test]
+fn bytes_take_their_time_on_the_wire_and_in_packing() {
+    let bytes = 1e6;
+    let cluster = Cluster { bandwidth: 1e9, ..far(0.0) };
+    let mut setup = setup(cluster);
+    let step = |setup: &Setup| simulate(&pair(0.0, 0.0, bytes), setup).step;
+    // sums and motion; the messages of travelers and reductions are lines
+    near(step(&setup), 2.0 * 1e-3 + 3.0 * 64e-9, 1e-4);
+    setup.costs.pack = 0.5;
+    near(step(&setup), 2.0 * (1e-3 + 2.0 * 0.5e-3) + 3.0 * 64e-9, 1e-4);
+}
+
+#[test]
+fn ranks_of_a_machine_share_its_wire() {
+    // four ranks in a ring of two machines: each machine sends two messages of 1 MB each way
+    let load = Load { rim: [1.0; 3], blocks: [1.0, 0.0], slabs: 1.0, ..Load::default() };
+    let edges = (0..4).map(|rank| vec![Edge { to: (rank + 2) % 4, sums: 1e6, motion: 0.0 }]).collect();
+    let ranks = Listed { loads: vec![load; 4], edges };
+    let cluster = Cluster { bandwidth: 1e9, ..far(0.0) };
+    let alone = simulate(&ranks, &setup(cluster)).step;
+    let shared = simulate(&ranks, &setup(Cluster { ranks: 2, ..cluster })).step;
+    near(alone, 1e-3, 1e-2);
+    near(shared, 2e-3, 1e-2);
+}
+
+#[test]
+fn a_tapered_tree_slows_what_leaves_a_switch() {
+    let ranks = pair(0.0, 0.0, 1e6);
+    let cluster = Cluster { bandwidth: 1e9, machines: 1, taper: 1.0, ..far(0.0) };
+    let full = simulate(&ranks, &setup(cluster)).step;
+    let tapered = simulate(&ranks, &setup(Cluster { taper: 3.0, ..cluster })).step;
+    near(tapered, 3.0 * full, 1e-3);
+}
+
+#[test]
+fn a_reduction_takes_a_latency_for_each_doubling() {
+    let latency = 1e-6;
+    for count in [2usize, 3, 4, 5, 8, 100, 1024] {
+        // nobody is beside anybody: reductions are all there is
+        let ranks = Listed { loads: vec![Load::default(); count], edges: vec![Vec::new(); count] };
+        let outcome = simulate(&ranks, &setup(far(latency)));
+        let each = outcome.step / (2.0 * latency);
+        if count.is_power_of_two() {
+            near(each, f64::from(count.ilog2()), 1e-9);
+        } else {
+            // ranks beyond the last power of two send before the rounds and get the result after them
+            let (least, most) = (f64::from(count as u32).log2().ceil(), f64::from(count.ilog2() + 2));
+            assert!((least - 1e-9..=most + 1e-9).contains(&each), "{count}: {each} latencies");
+        }
+        near(outcome.shares.reduction, 1.0, 1e-9);
+    }
+}
+
+#[test]
+fn a_halo_is_hidden_while_the_interior_is_longer() {
+    let latency = 1e-4;
+    let step = |inner: f64| simulate(&pair(1e5, inner, 64.0), &setup(far(latency)));
+    let long = step(1e6);
+    // the motion goes out within the interior too; travelers and two reductions are not hidden
+    near(long.step, 3e-9 * (1e5 + 1e6) + 3.0 * latency, 1e-9);
+    assert!(long.shares.halo < 1e-9);
+    assert!(step(1e3).shares.halo > 0.1);
+}
+
+#[test]
+fn a_network_without_cost_scales_weakly_without_loss() {
+    let mut setup = setup(Cluster::free());
+    setup.costs.block = 100.0;
+    // with neighbors on all axes ranks do the same from then on
+    let points = series::weak(&brick(216.0), &setup, 4096);
+    for point in &points {
+        near(point.efficiency, 1.0, 1e-9);
+        near(point.shares.compute + point.shares.engine, 1.0, 1e-9);
+    }
+}
+
+#[test]
+fn more_latency_overhead_or_noise_and_less_bandwidth_never_speed_up() {
+    let torus = |count| Torus::new(&brick(64.0), &costs(), count, 1);
+    for count in [2, 8, 27, 60] {
+        let ranks = torus(count);
+        let step = |change: &dyn Fn(&mut Cluster)| {
+            let mut cluster = Cluster { ranks: 1, ..Cluster::default() };
+            change(&mut cluster);
+            simulate(&ranks, &setup(cluster)).step
+        };
+        let grows = |steps: Vec<f64>| assert!(steps.windows(2).all(|w| w[1] >= w[0]), "{count}: {steps:?}");
+        let factors = [0.0, 0.5, 1.0, 2.0, 10.0, 100.0];
+        grows(factors.iter().map(|f| step(&|c| c.latency *= f)).collect());
+        grows(factors.iter().map(|f| step(&|c| c.overhead *= f)).collect());
+        grows(factors.iter().map(|f| step(&|c| c.noise = 0.01 * f)).collect());
+        grows([100.0, 10.0, 1.0, 0.1].iter().map(|f| step(&|c| c.bandwidth *= f)).collect());
+    }
+}
+
+#[test]
+fn shares_add_up_and_uneven_loads_are_named() {
+    let mut ranks = row(8, pair(1e5, 1e6, 64.0).loads[0], 6400.0, 640.0);
+    ranks.loads[3].inner = [4e6; 3];
+    let outcome = simulate(&ranks, &setup(Cluster::default()));
+    let s = outcome.shares;
+    near(s.compute + s.engine + s.halo + s.travel + s.reduction, 1.0, 1e-9);
+    near(outcome.path.iter().sum(), 1.0, 1e-5);
+    assert!(outcome.imbalance > 2.0 && s.compute < 0.5);
+}
+
+#[test]
+fn the_same_question_has_the_same_answer() {
+    let ranks = Torus::new(&brick(64.0), &costs(), 500, 1);
+    let setup = setup(Cluster { noise: 0.05, ..Cluster::default() });
+    assert_eq!(simulate(&ranks, &setup), simulate(&ranks, &setup));
+}
+
+#[test]
+fn a_hundred_thousand_ranks_take_seconds() {
+    let ranks = Torus::new(&brick(512.0), &costs(), 100_000, 1);
+    let setup = Setup { ticks: 2, reduced: 12e3, ..setup(Cluster { noise: 0.01, ..Cluster::default() }) };
+    let Outcome { step, shares, .. } = simulate(&ranks, &setup);
+    assert!(ranks.count() == 100_000 && step > 0.0 && shares.compute > 0.5);
+}
+
+/// The command on slab-quick, with its output in a folder.
+fn scale(out: &std::path::Path, more: &[&str]) -> std::process::Output {
+    let mut command = Command::cargo_bin("sinew").expect("the command is built");
+    command.args([
+        "scale",
+        "problems/slab-quick",
+        "--quiet",
+        "--steps",
+        "2",
+        "--warm-up",
+        "1",
+        "--repeat",
+        "1",
+    ]);
+    command.arg("--out").arg(out).args(more).output().expect("it starts")
+}
+
+#[test]
+fn a_short_measurement_has_all_rows_the_same_state_and_a_prediction() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let more = ["--patches", "1,4", "--threads", "1,2", "--most-ranks", "64", "--rank-threads", "2"];
+    let output = scale(folder.path(), &more);
+    let (text, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{text}{errors}");
+    let csv = std::fs::read_to_string(folder.path().join("measured.csv")).expect("a table");
+    let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let cases: Vec<&[&str]> = rows.iter().map(|row| &row[..3]).collect();
+    assert_eq!(cases, [["1", "1", "1"], ["4", "1", "1"], ["1", "2", "1"], ["4", "2", "1"]]);
+    let report = std::fs::read_to_string(folder.path().join("scale.json")).expect("a report");
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    assert_eq!(report["same_state"], true);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap_or_else(|| panic!("no number: {value}"));
+    for row in report["rows"].as_array().expect("rows") {
+        assert!(number(&row["step_ms"][0]) > 0.0 && number(&row["updates_per_s"]) > 0.0);
+        let parts = &row["parts"];
+        assert!((0.0..=1.0).contains(&number(&parts["task_share"])) && number(&parts["overhead_ms"]) >= 0.0);
+        assert_eq!(number(&parts["messages"]), 0.0, "one rank sends nothing");
+    }
+    assert_eq!(number(&report["rows"][0]["efficiency"]), 1.0);
+    // rows on more workers than there are cores are not checked
+    let checks = report["checks"].as_array().expect("checks");
+    assert!(checks.len() >= 2 && checks.iter().all(|check| number(&check["model_ms"]) > 0.0));
+    for series in ["strong", "weak_points"] {
+        let points = report[series].as_array().expect("points");
+        assert!(points.len() > 4 && number(&points[0]["efficiency"]) == 1.0, "{series}");
+    }
+    for file in ["efficiency.svg", "time.svg", "patches.svg", "predicted.csv", "prediction.svg"] {
+        assert!(folder.path().join(file).is_file(), "{file} is missing");
+    }
+}
+
+#[test]
+fn a_run_that_fails_is_a_row_and_not_the_end() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = scale(folder.path(), &["--patches", "1,1000x1x1", "--threads", "1", "--measure-only"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("failed: 1000 patches along x"), "{text}");
+    let csv = std::fs::read_to_string(folder.path().join("measured.csv")).expect("a table");
+    assert_eq!(csv.lines().count(), 3);
+    let nothing = scale(folder.path(), &["--patches", "1000x1x1", "--threads", "1", "--measure-only"]);
+    assert_eq!(nothing.status.code(), Some(1));
+}
+
+#[test]
+fn bad_lists_and_networks_are_bad_usage() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (more, part) in [
+        (["--patches", "0"], "--patches"),
+        (["--threads", "1,x"], "--threads"),
+        (["--network", "speed=1"], "latency"),
+        (["--steps", "0"], "--steps"),
+    ] {
+        let output = scale(folder.path(), &more);
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        assert!(String::from_utf8_lossy(&output.stderr).contains(part), "{more:?}");
+    }
+}
