@@ -75,7 +75,7 @@ fn main() -> ExitCode {
         Err(_) if Launch::of_this_process().rank > 0 => return ExitCode::SUCCESS,
         Err(error) => error.exit(),
     };
-    if Launch::of_this_process().rank > 0 && !matches!(command, Command::Run(_)) {
+    if Launch::of_this_process().rank > 0 && !matches!(command, Command::Run(_) | Command::Ping(_)) {
         return ExitCode::SUCCESS;
     }
     let result = match command {
