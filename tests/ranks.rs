@@ -237,3 +237,20 @@ fn more_ranks_than_patches_are_refused_with_a_remedy() {
         assert!(error.contains("3 ranks") && error.contains("--patches"), "{error}");
     }
 }
+
+#[test]
+fn patches_move_to_where_the_work_is_borne_evenly() {
+    let mut scene = shot(&[("run.rebalance-every", "1000")]);
+    let wanted = alone(&scene);
+    (scene.run.patches, scene.run.threads) = (Some([4, 1, 4]), Some(1));
+    let march = |simulation: &mut Simulation| {
+        // one rank has nearly all
+        simulation.set_ranks((0..16).map(|patch| u32::from(patch == 15)).collect())?;
+        while simulation.step()? {}
+        let balance = simulation.balance();
+        assert!(balance.moves == 1 && balance.patches > 3, "{balance:?}");
+        assert!(balance.imbalance > 1.5, "it was weighed before patches moved: {balance:?}");
+        Ok(())
+    };
+    check(&on_ranks(&scene, 2, march), &wanted).unwrap_or_else(|error| panic!("{error}"));
+}

@@ -63,6 +63,8 @@ pub struct ParticleBlock {
     pub extent: Extent,
     /// The nodes of the buffers that hold something, since the last scatter.
     pub touched: IndexBox,
+    /// Whether particles may have to move to other blocks.
+    pub leaving: bool,
     /// Whether particles of a contacting material may touch the same nodes.
     pub near: bool,
     /// Whether its particles share node blocks with another rank's, or with nodes that do.
@@ -84,6 +86,7 @@ impl ParticleBlock {
             partials: [Vec::new(), Vec::new()],
             extent: extent::NOBODY,
             touched: IndexBox { lower: [0; 3], upper: [0; 3] },
+            leaving: true,
             near: false,
             rim: false,
             cost: 0,
@@ -129,6 +132,7 @@ impl ParticleBlock {
     pub fn set(&mut self, layout: &Layout, label: LabelId, particle: usize, component: usize, value: f64) {
         if label == LabelId::Position {
             self.extent = extent::ANYWHERE;
+            self.leaving = true;
         }
         self.put(layout, label, particle, component, value);
     }
@@ -143,6 +147,7 @@ impl ParticleBlock {
     /// before rounding down.
     pub fn push(&mut self, layout: &Layout, rest: [f64; 3], base: [f64; 3], record: &[f64]) {
         extent::include(&mut self.extent, base);
+        self.leaving = true;
         if self.count == self.capacity * LANES {
             self.grow(layout, rest);
         }

@@ -59,7 +59,7 @@ impl Relocation {
     /// Finds the particles of the materials that `moved` and need to move, and brings those to the ranks where they belong;
     /// on the way, labels are reduced over all ranks.
     ///
-    /// Looks only at blocks whose extent (label `BlockExtent`) says that somebody left. Whether a particle moves
+    /// Looks only at blocks of which a worker has seen, in their extent (label `BlockExtent`), that somebody left. Whether a particle moves
     /// depends on the particle alone, and arrivals are ordered by where they come from: no decomposition shows.
     ///
     /// # Errors
@@ -108,7 +108,7 @@ impl Relocation {
                 let data = &warehouse.materials[material];
                 relocation.particles += home.blocks.iter().map(|block| block.count as u64).sum::<u64>();
                 for (at, block) in home.blocks.iter().enumerate() {
-                    if somebody_left(level, data, block) {
+                    if block.leaving && block.count > 0 {
                         let positions =
                             depart(level, data, (patch, material), block, &mut |traveler, gone| {
                                 let homeless = || warehouse.home(material, traveler.who.position).is_err();
@@ -251,7 +251,8 @@ fn outside(level: &Level, data: &MaterialData, axis: usize, y: f64) -> bool {
     !(y >= -half && y <= level.cells[axis] as f64 - half)
 }
 
-fn somebody_left(level: &Level, data: &MaterialData, block: &ParticleBlock) -> bool {
+/// Whether the extent of a block says that particles are out of reach, or outside of the level.
+pub fn somebody_left(level: &Level, data: &MaterialData, block: &ParticleBlock) -> bool {
     block.count > 0
         && (0..3).any(|axis| {
             let (least, most) = bounds(&block.extent, axis);

@@ -2,6 +2,7 @@
 use super::buffers::Buffers;
 use super::halo::{Around, Clear, LoadRegion, MotionAround, SumPartials};
 use super::meter::{Laps, Part, Tally, What};
+use super::relocate::somebody_left;
 use super::scratch::{AHEAD, CHUNK, Scratch};
 use crate::data::extent;
 use crate::data::label::Home;
@@ -128,6 +129,10 @@ pub fn sweep<const METERED: bool>(
                 laps.lap(What::Entry(entry));
             }
         }
+    }
+    if stage.touches(LabelId::BlockExtent, Mode::writes) {
+        // here the extent is in cache
+        block.leaving = somebody_left(context.level, &context.materials[material], block);
     }
     laps.end(&mut scratch.tally);
 }
