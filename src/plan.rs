@@ -1,12 +1,17 @@
 //! What a scene would exchange and cost, from the scene alone: no step is taken and no particle data are stored.
+use crate::data::labels::LabelId;
 use crate::data::particles::Layout;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::exec::traffic;
+use crate::graph::build::TaskGraph;
+use crate::graph::error::GraphError;
 use crate::graph::traffic::Traffic;
 use crate::grid::{Decomposition, Partition};
 use crate::input::lattice;
-use crate::input::scene::{Rates, Scene};
-use crate::simulation::layout;
+use crate::input::scene::{Behavior, Material, Rates, Scene};
+use crate::physics::law::Law;
+use crate::physics::materials::WithLaw;
+use crate::simulation::{layout, step_graph};
 use crate::tasks::timestep;
 
 /// A scene cut into patches, and these given to ranks as a run would.
@@ -19,19 +24,51 @@ pub struct Plan {
     pub traffic: Traffic,
 }
 
-/// Plans a run of `scene` on `ranks` ranks: on the patches that it asks for, or on a patch a rank.
+/// Plans a run of `scene` on `ranks` ranks: on the patches that it asks for, or on about
+/// `wanted`.
 ///
 /// # Errors
 /// Patches that do not fit the level, fewer patches than ranks, or no ranks.
-pub fn plan(scene: &Scene, ranks: usize) -> Result<Plan, String> {
+pub fn plan(scene: &Scene, wanted: usize, ranks: usize) -> Result<Plan, String> {
     if ranks == 0 {
         return Err("0 ranks cannot run anything: give --ranks 1 or more".to_owned());
     }
-    let (decomposition, costs) = layout::decompose(scene, ranks)?;
+    let (decomposition, costs) = layout::decompose(scene, wanted)?;
     let warehouse = outline(scene, decomposition.clone());
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
-    let traffic = traffic::count(&warehouse, &partition);
+    let mut traffic = traffic::count(&warehouse, &partition);
+    let history = |m: &Material| match &m.behavior {
+        Behavior::Deformable(law) => law.visit(HistoryOf),
+        Behavior::Rigid(_) => 0,
+    };
+    traffic.history = scene.materials.iter().map(history).collect();
     Ok(Plan { decomposition, partition, traffic })
+}
+
+/// The graph of a step of `scene`, with all that is to be refused in it.
+pub fn inspect(scene: &Scene, patches: usize) -> (TaskGraph, Vec<GraphError>) {
+    match step_graph(scene, patches) {
+        Ok(graph) => (graph, Vec::new()),
+        // nothing is pruned, so that all of it shows
+        Err(_) => TaskGraph::inspect(timestep::timestep(scene), LabelId::ALL, patches),
+    }
+}
+
+/// Labels that the reports of a run read.
+pub fn read_by_reports(scene: &Scene) -> Vec<LabelId> {
+    let entries = timestep::report(scene).entries;
+    let accesses = entries.iter().flat_map(|entry| entry.task.declaration().access);
+    accesses.filter(|access| access.mode.reads()).map(|access| access.label).collect()
+}
+
+/// How many numbers a law keeps.
+struct HistoryOf;
+
+impl WithLaw for HistoryOf {
+    type Output = u64;
+    fn with<L: Law>(self, _law: L) -> u64 {
+        L::HISTORY.len() as u64
+    }
 }
 
 /// The blocks of the scene's start with their extents, neighbors and nodes, and particles without any label.

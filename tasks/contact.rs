@@ -1,6 +1,6 @@
 use super::integrate::change;
 use crate::data::exact_sum::ExactSum;
-use crate::data::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, RigidImpulse, RigidMotion};
+use crate::data::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums};
 use crate::data::nodes::NODES;
 use crate::data::shared::RigidState;
 use crate::graph::task::{At, Body};
@@ -30,19 +30,33 @@ pub struct Contact {
 }
 
 crate::task! { Nodes task Contact {
-    requires old { bodies: RigidMotion }
     requires new { sums: NodeSums, surfaces: ContactSums }
-    computes { on_bodies: RigidImpulse }
     modifies { motion: NodeMotion, impulse: ContactImpulse }
 }}
 
 impl Body for Contact {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        if at.fields.len() > 1 {
-            self.exchange_all(at, &mut io);
-        }
+        let (bodies, on_bodies) = (&[][..], &mut [][..]);
+        let Io { sums, surfaces, motion, impulse } = &mut io;
+        self.exchange_all(at, &mut Meeting { sums, surfaces, motion, impulse, bodies, on_bodies });
     }
+}
+
+/// What meets at the nodes of a block, and the rigid bodies among it.
+pub struct Meeting<'a> {
+    /// `NodeSums`
+    pub sums: &'a [Wide],
+    /// `ContactSums`
+    pub surfaces: &'a [Wide],
+    /// `NodeMotion`
+    pub motion: &'a mut [Wide],
+    /// `ContactImpulse`
+    pub impulse: &'a mut [Wide],
+    /// `RigidMotion`; empty where no material is rigid.
+    pub bodies: &'a [RigidState],
+    /// `RigidImpulse`; empty where no material is rigid.
+    pub on_bodies: &'a mut [[ExactSum; 6]],
 }
 
 /// One material at one node.
@@ -74,8 +88,12 @@ impl Side<'_> {
 }
 
 impl Contact {
+    /// Exchanges impulses at all nodes of a block, pair by pair.
     #[inline(never)]
-    fn exchange_all(&self, at: &At<'_>, io: &mut Io<'_>) {
+    pub fn exchange_all(&self, at: &At<'_>, io: &mut Meeting<'_>) {
+        if at.fields.len() < 2 {
+            return;
+        }
         for pair in &self.pairs {
             let slot = |material: usize| at.fields.iter().position(|f| f.material as usize == material);
             let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
@@ -96,7 +114,7 @@ impl Contact {
                     elapsed: elapsed[i],
                     mirrored,
                 });
-                let Some((exchange, masses)) = self.exchange(pair, &sides, node, &io.bodies) else {
+                let Some((exchange, masses)) = self.exchange(pair, &sides, node, io.bodies) else {
                     continue;
                 };
                 for (i, sign) in [(0, 1.0), (1, -1.0)] {

@@ -8,7 +8,8 @@ pub struct ContactScatter;
 
 crate::task! { NearParticles task ContactScatter {
     requires new { weights: Weights, flow: ContactFlow }
-    computes { rows: ScatterRows, nodes: ContactSums @ 3 }
+    computes { nodes: ContactSums @ 3 }
+    scratch { rows: ScatterRows }
 }}
 
 impl Body for ContactScatter {

@@ -11,11 +11,11 @@ pub struct Gather;
 crate::task! { Particles task Gather {
     requires new { weights: Weights, nodes: NodeMotion @ 3 }
     computes {
-        rows: GatherRows,
         velocity: GridVelocity,
         change: VelocityChange,
         gradient: VelocityGradient,
     }
+    scratch { rows: GatherRows }
 }}
 
 impl Body for Gather {

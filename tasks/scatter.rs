@@ -10,7 +10,8 @@ pub struct Scatter;
 
 crate::task! { Particles task Scatter {
     requires new { weights: Weights, mass: MassFlow, stress: StressFlow }
-    computes { rows: ScatterRows, nodes: NodeSums @ 3 }
+    computes { nodes: NodeSums @ 3 }
+    scratch { rows: ScatterRows }
 }}
 
 impl Body for Scatter {

@@ -19,6 +19,7 @@ use super::mass_flow::MassFlow;
 use super::nodal_velocity::NodalVelocity;
 use super::report::{ReportLaw, ReportMotion, ReportViscosity};
 use super::rest::Rest;
+use super::rigid::contact::RigidContact;
 use super::rigid::flow::RigidFlow;
 use super::rigid::follow::Follow;
 use super::rigid::motion::RigidMotion;
@@ -262,7 +263,11 @@ impl<'a> Builder<'a> {
             symmetric: self.scene.faces.each_ref().map(|face| *face == FaceCondition::Symmetric),
             cells: self.scene.domain.cells,
         };
-        self.all("contact", task);
+        if self.rigid.contains(&true) {
+            self.all("contact", RigidContact(task));
+        } else {
+            self.all("contact", task);
+        }
     }
 
     /// What acts everywhere, if the scene has it.

@@ -107,16 +107,42 @@ fn a_collapsed_step_ends_the_run_with_1_and_a_summary() {
 
 #[test]
 fn the_graph_prints_in_every_form_and_says_why() {
-    let text = sinew(&["graph", "problems/slab-quick"]);
-    assert!(words(&text).contains("Scatter") && text.status.success());
-    let dot = sinew(&["graph", "problems/slab-quick", "--format", "dot"]);
-    assert!(words(&dot).starts_with("digraph"));
-    let json = sinew(&["graph", "problems/slab-quick", "--format", "json"]);
-    let graph: serde_json::Value = serde_json::from_slice(&json.stdout).expect("valid JSON");
-    assert!(graph["tasks"].as_array().is_some_and(|tasks| tasks.len() > 20));
-    let why = sinew(&["graph", "problems/slab-quick", "--why", "Contact"]);
-    assert!(words(&why).contains("line"), "{}", words(&why));
-    assert_eq!(sinew(&["graph", "problems/slab-quick", "--why", "Nonsense"]).status.code(), Some(2));
+    let graph = |more: &[&str]| sinew(&[&["graph", "problems/slab-quick"], more].concat());
+    let text = graph(&["--ranks", "2"]);
+    assert!(text.status.success());
+    for word in ["Scatter", "messages a step", "0 -> 1: 4 messages", "critical path", "estimated"] {
+        assert!(words(&text).contains(word), "{}", words(&text));
+    }
+    assert!(words(&graph(&["--format", "dot"])).starts_with("digraph"));
+    let json: serde_json::Value =
+        serde_json::from_slice(&graph(&["--format", "json", "--expanded", "--patches", "2x1x2"]).stdout)
+            .expect("valid JSON");
+    assert!(json["tasks"].as_array().is_some_and(|tasks| tasks.len() > 20));
+    assert!(json["items"].as_array().is_some_and(|items| items.len() > 40));
+    for form in ["svg", "html"] {
+        let picture = graph(&["--format", form, "--patches", "2x1x2", "--ranks", "2", "--rank", "1"]);
+        assert!(
+            picture.status.success() && String::from_utf8_lossy(&picture.stdout).contains("<svg"),
+            "{form}"
+        );
+    }
+    for (what, word) in
+        [("Contact", "line"), ("NodeSums", "Computes by Scatter"), ("Gather:Stress", "VelocityGradient")]
+    {
+        assert!(words(&graph(&["--why", what])).contains(word), "{what}");
+    }
+    assert!(graph(&["--check"]).status.success());
+    for wrong in [
+        &["--why", "Nonsense"][..],
+        &["--why", "Stress:Weights:x"],
+        &["--ranks", "0"],
+        &["--ranks", "3", "--patches", "1x1x2"],
+        &["--patch", "1"],
+        &["--rank", "5", "--ranks", "2"],
+        &["--trace", "no-such-file"],
+    ] {
+        assert_eq!(graph(wrong).status.code(), Some(2), "{wrong:?}");
+    }
 }
 
 #[test]
@@ -155,7 +181,7 @@ fn a_bench_writes_json_that_it_compares_with() {
 
 #[test]
 fn every_subcommand_has_help() {
-    for command in ["run", "check", "graph", "wound", "picture", "bench", "scene-docs"] {
+    for command in ["run", "check", "graph", "wound", "picture", "compare", "bench", "scene-docs"] {
         let output = sinew(&[command, "--help"]);
         assert!(output.status.success() && words(&output).contains("Usage"), "{command}");
     }

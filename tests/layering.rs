@@ -112,10 +112,11 @@ fn data_and_grid_know_no_one_above_them() {
 }
 
 #[test]
-fn unsafe_code_lives_in_the_simd_layer_alone() {
+fn unsafe_code_lives_in_the_simd_and_mpi_layers_alone() {
     for (file, text) in sources(&["src", "tasks", "tools"]) {
         let found = code(&text).find(|(_, line)| words(line).any(|word| word == "unsafe"));
-        assert!(file.starts_with("src/simd/") || found.is_none(), "{file}: {found:?}");
+        let allowed = file.starts_with("src/simd/") || file == "src/exec/ranks/mpi.rs";
+        assert!(allowed || found.is_none(), "{file}: {found:?}");
     }
 }
 

@@ -79,6 +79,15 @@ fn same(scene: &Scene, patches: [usize; 3], ranks: usize, threads: usize, wanted
         .unwrap_or_else(|error| panic!("{patches:?} on {ranks} ranks of {threads} threads: {error}"));
 }
 
+#[test]
+fn the_first_step_heeds_the_bodies_of_all_ranks() {
+    let scene = scene(include_str!("scenes/cloud.toml"), &[("run.steps", "3")]);
+    let wanted = alone(&scene);
+    for ranks in [2, 3] {
+        same(&scene, [3, 2, 2], ranks, 1, &wanted);
+    }
+}
+
 fn shot(overrides: Overrides<'_>) -> Scene {
     let soft = [("run.steps", "40")];
     problem("slab-quick", &[&soft, overrides].concat())

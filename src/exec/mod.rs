@@ -13,6 +13,7 @@ pub mod step;
 pub mod threads;
 pub mod trace;
 pub mod traffic;
+pub mod traveler;
 pub mod wave;
 mod work;
 

@@ -1,5 +1,6 @@
 //! Counts what patches and ranks send each other: from the blocks as they are, nothing is sent.
-use super::halo::{back, pencils};
+use super::halo::{back, overlap, pencils};
+use super::ranks::occupied::beside;
 use super::stage::SCATTERED;
 use crate::data::extent;
 use crate::data::labels::LabelId;
@@ -13,8 +14,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// What the patches of an activated warehouse that holds all particles send each other, if `partition` says who is on
 /// which rank.
 ///
-/// A particle block sends the lines that its particles can touch (see [`extent::touched`]) to who owns the nodes; the
-/// nodes' owner sends back those that particles of the receiver touch, each once a receiver.
+/// As `ranks::ghosts` does it: a particle block sends the lines that its particles can touch (see [`extent::touched`]) to
+/// who owns the nodes; the nodes' owner sends back, from each block, a box around those that particles of the receiver
+/// touch.
 pub fn count(warehouse: &Warehouse, partition: &Partition) -> Traffic {
     let rank_of: Vec<usize> =
         (0..warehouse.decomposition.patches.len()).map(|patch| partition.rank_of(patch)).collect();
@@ -27,10 +29,16 @@ pub fn count(warehouse: &Warehouse, partition: &Partition) -> Traffic {
         particles: by_material(&|block| block.count),
         near: by_material(&|block| if block.near { block.count } else { 0 }),
         blocks: by_material(&|_| 1),
+        history: warehouse
+            .materials
+            .iter()
+            .map(|m| m.layout.widths[LabelId::History as usize] as u64)
+            .collect(),
         nodes: nodes(warehouse),
         between: between(warehouse, |patch| patch),
         to_rank: between(warehouse, |patch| rank_of[patch]),
-        neighbors: neighbors(&warehouse.decomposition, &rank_of),
+        givers: givers(warehouse, &rank_of),
+        neighbors: neighbors(&warehouse.decomposition, &rank_of, partition.ranks),
         reduction: reduction(partition.ranks),
         rank_of,
     }
@@ -49,34 +57,46 @@ fn nodes(warehouse: &Warehouse) -> Vec<Vec<u64>> {
 /// Lines from each patch to each receiver, where patch p belongs to receiver `part(p)`.
 fn between(warehouse: &Warehouse, part: impl Fn(usize) -> usize) -> BTreeMap<(usize, usize), Lines> {
     let mut all: BTreeMap<(usize, usize), Lines> = BTreeMap::new();
-    let mut add = |from, to, label, material, lines: u32| {
-        if lines > 0 {
-            *all.entry((from, to)).or_default().entry((label, material)).or_default() += u64::from(lines);
-        }
+    let mut add = |from, to, label, material, lines: usize| {
+        *all.entry((from, to)).or_default().entry((label, material)).or_default() += lines as u64;
     };
-    // nodes of a block that a receiver's particles of a material read, one bit each
-    let mut read: BTreeMap<((u32, u32), usize, usize), u64> = BTreeMap::new();
+    // the smallest box around the nodes of a block that a receiver's particles of a material read
+    let mut read: BTreeMap<((u32, u32), usize, usize), IndexBox> = BTreeMap::new();
     for (patch, homes) in warehouse.particles.iter().enumerate() {
         for (material, block) in
             homes.iter().enumerate().flat_map(|(m, home)| home.blocks.iter().map(move |b| (m, b)))
         {
             let touched = extent::touched(&block.extent, block.index);
             for (q, &place) in block.around.iter().enumerate().filter(|(_, place)| **place != NOWHERE) {
-                let nodes = shared(q, &touched);
+                let Some((nodes, _)) = overlap(back(q), &touched) else { continue };
                 let to = part(place.0 as usize);
                 for (label, which) in SCATTERED {
                     if which == 0 || block.near {
-                        add(patch, to, label, material, nodes.count_ones());
+                        add(patch, to, label, material, nodes.len());
                     }
                 }
-                *read.entry((place, material, part(patch))).or_default() |= nodes;
+                let known = read.entry((place, material, part(patch))).or_insert(nodes);
+                *known = known.around(&nodes);
             }
         }
     }
     for (((patch, _), material, to), nodes) in read {
-        add(patch as usize, to, LabelId::NodeMotion, material, nodes.count_ones());
+        add(patch as usize, to, LabelId::NodeMotion, material, nodes.len());
     }
     all
+}
+
+/// For each patch and rank, the particle blocks of the patch that have node blocks of the rank around them.
+fn givers(warehouse: &Warehouse, rank_of: &[usize]) -> BTreeMap<(usize, usize), u64> {
+    let mut givers = BTreeMap::new();
+    for (patch, homes) in warehouse.particles.iter().enumerate() {
+        for block in homes.iter().flat_map(|home| &home.blocks) {
+            let nodes = block.around.iter().filter(|place| **place != NOWHERE);
+            let ranks: BTreeSet<usize> = nodes.map(|place| rank_of[place.0 as usize]).collect();
+            ranks.into_iter().for_each(|rank| *givers.entry((patch, rank)).or_default() += 1);
+        }
+    }
+    givers
 }
 
 /// The nodes of the `q`-th block around that lie in the touched part of a block's buffer, one bit each.
@@ -86,16 +106,11 @@ pub fn shared(q: usize, touched: &IndexBox) -> u64 {
     nodes
 }
 
-/// Pairs of ranks that have patches side by side.
-fn neighbors(decomposition: &Decomposition, rank_of: &[usize]) -> BTreeSet<(usize, usize)> {
-    let touch = |a: &IndexBox, b: &IndexBox| {
-        let near = a.grown(1);
-        (0..3).all(|axis| near.lower[axis] < b.upper[axis] && b.lower[axis] < near.upper[axis])
-    };
-    let patches = || decomposition.patches.iter().zip(rank_of);
-    let pairs = patches().flat_map(|a| patches().map(move |b| (a, b)));
-    let apart = pairs.filter(|((a, r), (b, s))| r != s && touch(&a.blocks, &b.blocks));
-    apart.map(|((_, &r), (_, &s))| (r, s)).collect()
+/// Pairs of ranks that have blocks in sight of each other.
+fn neighbors(decomposition: &Decomposition, rank_of: &[usize], ranks: usize) -> BTreeSet<(usize, usize)> {
+    let of = || rank_of.iter().map(|&rank| rank as u32).collect();
+    let seen = |rank| beside(decomposition, &Partition::new(of(), rank, ranks)).into_iter();
+    (0..ranks).flat_map(|rank| seen(rank).map(move |other| (rank, other.rank))).collect()
 }
 
 /// Messages of `ranks::collective::reduce`, in the order of its rounds.

@@ -28,6 +28,8 @@ pub struct TaskGraph {
     pub pruned: Vec<String>,
     /// Labels whose value passes from step to step.
     pub carried: BTreeSet<LabelId>,
+    /// Labels that are wanted besides.
+    pub outputs: Vec<LabelId>,
 }
 
 impl TaskGraph {
@@ -36,12 +38,26 @@ impl TaskGraph {
     /// # Errors
     /// See [`GraphError`].
     pub fn build(recipe: Recipe, outputs: &[LabelId], patches: usize) -> Result<Self, GraphError> {
-        let mut graph = derive(&recipe, patches)?;
+        let (graph, refusals) = Self::inspect(recipe, outputs, patches);
+        match refusals.into_iter().next() {
+            Some(refusal) => Err(refusal),
+            None => Ok(graph),
+        }
+    }
+
+    /// The graph of a recipe with all that is to be refused in it. A graph that is refused shows what is there; it must
+    /// not run.
+    pub fn inspect(recipe: Recipe, outputs: &[LabelId], patches: usize) -> (Self, Vec<GraphError>) {
+        let (mut graph, mut refusals) = derive(&recipe, patches);
         let (pruned, carried) = prune::prune(&mut graph, outputs);
-        let mut phases = fuse::fuse(&graph, &recipe, patches)?;
-        let at_end = exchange::derive(&mut phases);
+        let (mut phases, escapes) = fuse::fuse(&graph, &recipe, patches);
+        refusals.extend(escapes);
+        let mut at_end = exchange::derive(&mut phases);
+        // what nobody reads need not come together: a label that this recipe fills in vain
+        at_end.retain(|label| carried.contains(label) || outputs.contains(label));
         let waves = fuse::waves(&phases);
-        Ok(Self { recipe, graph, phases, waves, at_end, pruned, carried })
+        let outputs = outputs.to_vec();
+        (Self { recipe, graph, phases, waves, at_end, pruned, carried, outputs }, refusals)
     }
 
     /// Particle labels that the surviving tasks of `material` use.
@@ -68,9 +84,10 @@ struct Derivation<'a> {
     everywhere: String,
 }
 
-fn derive(recipe: &Recipe, patches: usize) -> Result<Graph, GraphError> {
+fn derive(recipe: &Recipe, patches: usize) -> (Graph, Vec<GraphError>) {
     let (graph, slots, everywhere) = (Graph::new(), BTreeMap::new(), everywhere(patches));
     let mut derivation = Derivation { recipe, graph, slots, everywhere };
+    let mut refusals = Vec::new();
     for (index, entry) in recipe.entries.iter().enumerate() {
         let declaration = entry.task.declaration();
         let name = match entry.material {
@@ -79,12 +96,12 @@ fn derive(recipe: &Recipe, patches: usize) -> Result<Graph, GraphError> {
         };
         let node = Node { declaration, entry: index, material: entry.material, name };
         let node = derivation.graph.add_node(node);
-        for access in declaration.access {
-            derivation.check_ghost(node, access)?;
-            derivation.add_access(node, access)?;
+        for access in declaration.access.iter().filter(|a| a.mode != Mode::Scratch) {
+            refusals.extend(derivation.check_ghost(node, access).err());
+            refusals.extend(derivation.add_access(node, access).err());
         }
     }
-    Ok(derivation.graph)
+    (derivation.graph, refusals)
 }
 
 impl Derivation<'_> {

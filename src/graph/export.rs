@@ -1,7 +1,6 @@
-//! The graph for people and for programs: text, dot, JSON.
+//! The tasks of a graph for people and for programs: a table, JSON. `diagram` adds exchanges, bytes and pictures.
 use super::build::TaskGraph;
 use super::fuse::{Stage, When};
-use super::recipe::Why;
 use super::task::{Access, Domain, Mode};
 use petgraph::visit::{EdgeRef, IntoEdgeReferences};
 use serde_json::{Value, json};
@@ -27,13 +26,6 @@ pub struct OwnStep {
     pub size: f64,
     /// Its size in ticks.
     pub ticks: u64,
-}
-
-impl Cycle {
-    /// Whether a stage belongs to a material that waits for others.
-    fn waits(&self, stage: &Stage) -> bool {
-        self.most.is_some() && stage.material.is_some_and(|m| self.own[m].ticks > 1)
-    }
 }
 
 impl TaskGraph {
@@ -93,53 +85,6 @@ impl TaskGraph {
             cycle.tick,
             steps.join(", ")
         )
-    }
-
-    /// Graphviz, one cluster a fused stage: solid edges carry data, dashed ones protect what is still read. If materials
-    /// take steps of their own, a cluster of the tick holds all stages but those of the materials that wait.
-    pub fn to_dot(&self, cycle: &Cycle) -> String {
-        let mut out =
-            String::from("digraph step {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans-serif\"];\n");
-        let stages: Vec<(usize, &Stage)> = self.phases.iter().flat_map(|p| &p.stages).enumerate().collect();
-        if let Some(most) = cycle.most {
-            let (slow, fast): (Vec<_>, Vec<_>) = stages.iter().partition(|(_, stage)| cycle.waits(stage));
-            out.push_str(
-                "  subgraph cluster_step { label=\"step: until all materials are together again\";\n",
-            );
-            let _ =
-                writeln!(out, "  subgraph cluster_tick {{ label=\"tick: repeated, at most {most} times\";");
-            fast.into_iter().for_each(|(number, stage)| self.dot_stage(number, stage, cycle, &mut out));
-            out.push_str("  }\n");
-            slow.into_iter().for_each(|(number, stage)| self.dot_stage(number, stage, cycle, &mut out));
-            out.push_str("  }\n");
-        } else {
-            stages.into_iter().for_each(|(number, stage)| self.dot_stage(number, stage, cycle, &mut out));
-        }
-        for edge in self.graph.edge_references() {
-            let ghost = match edge.weight().ghost {
-                0 => String::new(),
-                n => format!(" @{n}"),
-            };
-            let style = if edge.weight().why == Why::Flow { "solid" } else { "dashed" };
-            let (from, to) = (edge.source().index(), edge.target().index());
-            let label = edge.weight().label.name();
-            let _ = writeln!(out, "  t{from} -> t{to} [label=\"{label}{ghost}\", style={style}];");
-        }
-        out.push_str("}\n");
-        out
-    }
-
-    fn dot_stage(&self, number: usize, stage: &Stage, cycle: &Cycle, out: &mut String) {
-        let material = stage.material.map_or("all materials", |m| &self.recipe.materials[m]);
-        let about = |m: usize| format!(", about every {} ticks", cycle.own[m].ticks);
-        let often = stage.material.filter(|_| cycle.waits(stage)).map_or(String::new(), about);
-        let when = cycle.most.map_or(String::new(), |_| format!(": {}{often}", when(stage)));
-        let _ =
-            writeln!(out, "  subgraph cluster_{number} {{ label=\"{:?}, {material}{when}\";", stage.domain);
-        for &node in &stage.nodes {
-            let _ = writeln!(out, "    t{} [label=\"{}\"];", node.index(), self.graph[node].declaration.name);
-        }
-        out.push_str("  }\n");
     }
 
     /// Tasks, stages, edges and rates as JSON.

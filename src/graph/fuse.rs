@@ -84,12 +84,9 @@ impl Phase {
     }
 }
 
-/// Stages and phases of a pruned graph.
-///
-/// # Errors
-/// [`GraphError::ChunkLabelEscapes`].
-pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> Result<Vec<Phase>, GraphError> {
-    let mut stages: Vec<Stage> = Vec::new();
+/// Stages and phases of a pruned graph, and what is to be refused: [`GraphError::ChunkLabelEscapes`].
+pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> (Vec<Phase>, Vec<GraphError>) {
+    let (mut stages, mut refusals): (Vec<Stage>, _) = (Vec::new(), Vec::new());
     for node in graph.node_indices() {
         let (entry, material) = (graph[node].entry, graph[node].material);
         let declared = recipe.entries[entry].task.declaration().domain;
@@ -117,9 +114,9 @@ pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> Result<Vec<Phase>
         if domain == Domain::Particles && gives(graph[node].declaration.access) {
             stage.when = When::Begin;
         }
-        check_chunk_labels(graph, node, stage, patches)?;
+        refusals.extend(check_chunk_labels(graph, node, stage, patches).err());
     }
-    Ok(group(graph, stages))
+    (group(graph, stages), refusals)
 }
 
 /// Whether a task over particles adds to nodes.

@@ -1,5 +1,6 @@
 //! From a recipe of declared tasks to a graph that runs: edges derived, idle tasks pruned, chains fused.
 pub mod build;
+pub mod check;
 pub mod diagram;
 pub mod error;
 pub mod exchange;

@@ -1,4 +1,5 @@
 //! What a task is: a declaration, an `Io` made from it, and a body that sees only the `Io`.
+use crate::data::label::Home;
 use crate::data::labels::LabelId;
 use crate::data::schedule::Field;
 use crate::data::workspace::Workspace;
@@ -31,17 +32,25 @@ pub enum Mode {
     Computes,
     /// Reads and writes it.
     Modifies,
+    /// Works in it: holds nothing before and after.
+    Scratch,
 }
 
 impl Mode {
     /// Whether the task sees what was there before.
     pub fn reads(self) -> bool {
-        self != Mode::Computes
+        !matches!(self, Mode::Computes | Mode::Scratch)
     }
     /// Whether the task changes it.
     pub fn writes(self) -> bool {
         matches!(self, Mode::Computes | Mode::Modifies)
     }
+}
+
+/// A label that a task may work in: of home `Chunk`; another one does not compile.
+pub const fn scratch(label: LabelId) -> LabelId {
+    assert!(matches!(label.home(), Home::Chunk), "a task works in chunk labels");
+    label
 }
 
 /// One line of a declaration. `ghost`: layers of nodes around the block.
@@ -139,7 +148,8 @@ impl<T: Body> Job for RunChunk<'_, '_, T> {
     }
 }
 
-/// Declares a task's data: makes the access list *and* the only views its body receives.
+/// Declares a task's data: makes the access list *and* the only views its body receives. Labels under `scratch` are
+/// memory to work in: what is in them passes to nobody, and makes no edge.
 ///
 /// What is not declared does not compile:
 /// ```compile_fail,E0609
@@ -169,6 +179,19 @@ impl<T: Body> Job for RunChunk<'_, '_, T> {
 ///     }
 /// }
 /// ```
+/// Only chunk labels are memory to work in:
+/// ```compile_fail,E0080
+/// use sinew::{data::labels::*, graph::task::{At, Body}, simd::Simd};
+/// struct Spoil;
+/// sinew::task! { Particles task Spoil {
+///     computes { volume: Volume }
+///     scratch { mass: Mass }
+/// }}
+/// impl Body for Spoil {
+///     fn run<S: Simd>(&self, _at: &At<'_>, _io: Io<'_>) {}
+/// }
+/// fn main() { assert_eq!(<Spoil as sinew::graph::task::Task>::ACCESS.len(), 2); }
+/// ```
 #[macro_export]
 macro_rules! task {
     ($(#[$doc:meta])* $domain:ident task $name:ident $([$kind:ident: $bound:path])? {
@@ -177,6 +200,7 @@ macro_rules! task {
         $(requires now { $($n:ident: $N:ident),* $(,)? })?
         $(computes { $($c:ident: $C:ident $(@ $spread:literal)?),* $(,)? })?
         $(modifies { $($m:ident: $M:ident),* $(,)? })?
+        $(scratch { $($s:ident: $S:ident),* $(,)? })?
     }) => {
         /// The views that the declaration grants, and nothing else.
         pub struct Io<'a> {
@@ -195,6 +219,9 @@ macro_rules! task {
             $($(
                 #[allow(missing_docs)]
                 pub $m: $crate::data::view::Write<'a, <$M as $crate::data::labels::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
+                pub $s: $crate::data::view::Write<'a, <$S as $crate::data::labels::Label>::Tile>,)*)?
         }
         impl $(<$kind: $bound>)? $crate::graph::task::Task for $name $(<$kind>)? {
             const NAME: &'static str = stringify!($name);
@@ -205,16 +232,17 @@ macro_rules! task {
                 $($($crate::task!(@ $N Requires),)*)?
                 $($($crate::task!(@ $C Computes $($spread)?),)*)?
                 $($($crate::task!(@ $M Modifies),)*)?
+                $($($crate::task!(@ $S Scratch),)*)?
             ];
             type Io<'a> = Io<'a>;
             #[inline(always)]
             fn bind<'a>(space: &'a mut $crate::data::workspace::Workspace<'_>) -> Io<'a> {
                 use $crate::data::labels::Label;
                 let window = $crate::data::workspace::Window::of(space);
-                let [$($($o,)*)? $($($r,)*)? $($($n,)*)? $($($c,)*)? $($($m,)*)?] = space.columns
+                let [$($($o,)*)? $($($r,)*)? $($($n,)*)? $($($c,)*)? $($($m,)*)? $($($s,)*)?] = space.columns
                     .get_disjoint_mut([
                         $($($O::ID as usize,)*)? $($($R::ID as usize,)*)? $($($N::ID as usize,)*)?
-                        $($($C::ID as usize,)*)? $($($M::ID as usize,)*)?
+                        $($($C::ID as usize,)*)? $($($M::ID as usize,)*)? $($($S::ID as usize,)*)?
                     ])
                     .expect("a declaration names each label once");
                 Io {
@@ -223,8 +251,16 @@ macro_rules! task {
                     $($($n: window.read::<$N>($n),)*)?
                     $($($c: window.write::<$C>($c),)*)?
                     $($($m: window.write::<$M>($m),)*)?
+                    $($($s: window.write::<$S>($s),)*)?
                 }
             }
+        }
+    };
+    (@ $label:ident Scratch) => {
+        $crate::graph::task::Access {
+            label: $crate::graph::task::scratch(<$label as $crate::data::labels::Label>::ID),
+            mode: $crate::graph::task::Mode::Scratch,
+            ghost: 0,
         }
     };
     (@ $label:ident $mode:ident) => { $crate::task!(@ $label $mode 0) };

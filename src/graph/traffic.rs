@@ -23,17 +23,25 @@ pub struct Traffic {
     pub near: Vec<Vec<u64>>,
     /// Blocks with particles: `[patch][material]`.
     pub blocks: Vec<Vec<u64>>,
+    /// Numbers that the history of a particle of each material has.
+    pub history: Vec<u64>,
     /// Nodes: `[patch][material]`.
     pub nodes: Vec<Vec<u64>>,
     /// From patch to patch, and from a patch to itself.
     pub between: BTreeMap<(usize, usize), Lines>,
     /// From a patch to a rank. What several patches of a rank read travels once.
     pub to_rank: BTreeMap<(usize, usize), Lines>,
-    /// Pairs of ranks (both ways) whose patches lie side by side.
+    /// For each patch and rank, the particle blocks of the patch that nodes of the rank surround: each has a line in a
+    /// message that says which nodes it touches.
+    pub givers: BTreeMap<(usize, usize), u64>,
+    /// Pairs of ranks (both ways) that have blocks in sight of each other.
     pub neighbors: BTreeSet<(usize, usize)>,
     /// Messages of one reduction, from rank to rank.
     pub reduction: Vec<(usize, usize)>,
 }
+
+/// Messages by sender and receiver.
+pub type Pairs = BTreeMap<(usize, usize), Messages>;
 
 /// Messages from one rank to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,7 +64,24 @@ impl Traffic {
     pub fn none(materials: usize) -> Self {
         let zeros = || vec![vec![0; materials]];
         let (particles, near, blocks, nodes) = (zeros(), zeros(), zeros(), zeros());
-        Self { ranks: 1, rank_of: vec![0], particles, near, blocks, nodes, ..Self::default() }
+        Self {
+            ranks: 1,
+            rank_of: vec![0],
+            particles,
+            near,
+            blocks,
+            nodes,
+            history: vec![0; materials],
+            ..Self::default()
+        }
+    }
+
+    /// Lines that eight particles of a material, or one of whatever else has the label, take.
+    pub fn width(&self, label: LabelId, material: usize) -> u64 {
+        match label {
+            LabelId::History => self.history[material],
+            label => label.width() as u64,
+        }
     }
 
     /// Number of patches.
@@ -92,49 +117,51 @@ impl Traffic {
         lines.filter(|&(patch, rank, _)| self.rank_of[patch] != rank)
     }
 
-    /// One message for each pair of ranks between which something of `labels` travels.
-    pub fn halo(&self, labels: &[LabelId]) -> BTreeMap<(usize, usize), Messages> {
-        let mut pairs = BTreeMap::new();
+    /// The halos of a phase: one message for each pair of ranks of which one has particles beside nodes of the other.
+    pub fn halo(&self, phase: &Phase) -> Pairs {
+        let mut pairs = Pairs::new();
+        let back = phase.halos.contains(&LabelId::NodeMotion);
+        for (&(patch, to), &blocks) in self.givers.iter().filter(|((p, to), _)| self.rank_of[*p] != *to) {
+            let from = self.rank_of[patch];
+            // motion comes back to who has given
+            let (pair, lines) = if back { ((to, from), 0) } else { ((from, to), blocks) };
+            let messages = pairs.entry(pair).or_default();
+            (messages.count, messages.bytes) = (1, messages.bytes + LINE * lines);
+        }
         for (patch, to, lines) in self.traveling() {
-            let bytes = LINE * select(lines, labels, None);
-            if bytes > 0 {
-                let messages: &mut Messages = pairs.entry((self.rank_of[patch], to)).or_default();
-                (messages.count, messages.bytes) = (1, messages.bytes + bytes);
+            if let Some(messages) = pairs.get_mut(&(self.rank_of[patch], to)) {
+                messages.bytes += LINE * select(lines, &phase.halos, None);
             }
         }
         pairs
     }
 
     /// Messages of a reduction of `labels`, by pair of ranks.
-    pub fn reduce(&self, labels: &[LabelId]) -> BTreeMap<(usize, usize), Messages> {
+    pub fn reduce(&self, labels: &[LabelId]) -> Pairs {
         let bytes = self.reduced_bytes(labels);
-        let mut pairs: BTreeMap<_, Messages> = BTreeMap::new();
+        let mut pairs: Pairs = BTreeMap::new();
         self.reduction.iter().for_each(|&pair| pairs.entry(pair).or_default().add(1, bytes));
         pairs
     }
 
-    /// Bytes of all shared values of `labels`.
+    /// Bytes of a message with all shared values of `labels`, and a line that counts particles.
     pub fn reduced_bytes(&self, labels: &[LabelId]) -> u64 {
         let materials = self.particles.first().map_or(1, Vec::len) as u64;
         let tiles = |label: &LabelId| if label.home() == Home::Material { materials } else { 1 };
-        labels.iter().map(|label| LINE * label.width() as u64 * tiles(label)).sum()
+        LINE * (1 + labels.iter().map(|label| label.width() as u64 * tiles(label)).sum::<u64>())
     }
 
     /// One message to each neighbor, with a line that says how many particles follow.
-    pub fn relocation(&self) -> BTreeMap<(usize, usize), Messages> {
+    pub fn relocation(&self) -> Pairs {
         self.neighbors.iter().map(|&pair| (pair, Messages { count: 1, bytes: LINE })).collect()
     }
 
     /// Messages of a tick by what they are about: halos by their phase, then all reductions, then relocation.
-    pub fn by_cause(
-        &self,
-        phases: &[Phase],
-        at_end: &[LabelId],
-    ) -> Vec<(String, BTreeMap<(usize, usize), Messages>)> {
+    pub fn by_cause(&self, phases: &[Phase], at_end: &[LabelId]) -> Vec<(String, Pairs)> {
         let mut causes = Vec::new();
         for phase in phases {
             if !phase.halos.is_empty() {
-                causes.push((names(&phase.halos), self.halo(&phase.halos)));
+                causes.push((names(&phase.halos), self.halo(phase)));
             }
             if !phase.reductions.is_empty() {
                 causes.push((

@@ -3,7 +3,8 @@
 use twox_hash::XxHash3_128;
 
 /// Keys that a restart may change. `output` stands for all that is in it.
-const FREE: [&str; 6] = ["title", "run.until", "run.steps", "run.patches", "run.threads", "output"];
+const FREE: [&str; 7] =
+    ["title", "run.until", "run.steps", "run.patches", "run.threads", "run.rebalance-every", "output"];
 
 /// A hash of all that determines the physics of a resolved scene: 32 hexadecimal digits.
 pub fn fingerprint(resolved: &str) -> String {

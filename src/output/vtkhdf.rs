@@ -5,6 +5,7 @@
 //! under several names (hard links). Each frame starts on a chunk boundary, so appending never touches the bytes
 //! of an earlier frame; the frame counter is written last.
 mod reader;
+mod rows;
 mod writer;
 
 pub use reader::Reader;

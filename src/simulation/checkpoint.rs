@@ -48,6 +48,9 @@ impl Simulation {
         }
         let path = checkpoint::path(folder, self.steps);
         let written = write(&mut *self.network, &self.warehouse, &path, &head);
+        if written.is_err() && self.network.rank() == 0 {
+            checkpoint::discard(&path);
+        }
         together::agree(self.network(), written)
     }
 

@@ -3,7 +3,7 @@ use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
 use crate::exec::ranks::NetworkError;
-use crate::exec::relocate::Left;
+use crate::exec::traveler::Left;
 use crate::graph::error::GraphError;
 use crate::grid::Level;
 use crate::input::scene::Scene;

@@ -4,7 +4,7 @@ use crate::data::exact_sum::ExactSum;
 use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::{Shared, Warehouse};
-use crate::exec::relocate::Left;
+use crate::exec::traveler::Left;
 use crate::input::scene::Scene;
 use crate::simd::Wide;
 

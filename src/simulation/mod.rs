@@ -132,7 +132,9 @@ impl Simulation {
             .map_err(RunError::Patches)?;
         let graph = step_graph(&scene, patches)?;
         let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
-        let start = TaskGraph::build(timestep::start(&scene), WANTED, patches)?;
+        // what the first step reads, too
+        let wanted: Vec<LabelId> = WANTED.iter().chain(&graph.carried).copied().collect();
+        let start = TaskGraph::build(timestep::start(&scene), &wanted, patches)?;
 
         let mut warehouse = populate::populate(&scene, decomposition, partition, &graph)?;
         warehouse.own_rates = scene.run.rates != Rates::Common;

@@ -59,7 +59,6 @@ pub fn collect<P: Parcel>(
                 break;
             }
             take(P::from_words(words));
-            network.give_back(message);
         }
     }
     Ok(())

@@ -70,7 +70,7 @@ impl<'a> Snapshot<'a> {
                 self.add(&mut piece, material, block, begin..end);
                 row += end - begin;
                 begin = end;
-                if row % CHUNK == 0 {
+                if row.is_multiple_of(CHUNK) {
                     take(std::mem::replace(&mut piece, self.piece()));
                 }
             }

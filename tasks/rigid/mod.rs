@@ -1,6 +1,7 @@
 //! Rigid bodies: the nodes they fill move with them, contact moves them, their particles follow.
 #![allow(missing_docs)] // each module is documented by its task
 
+pub mod contact;
 pub mod flow;
 pub mod follow;
 pub mod motion;

@@ -1,4 +1,5 @@
-# What Sinew needs beside a Rust toolchain: a linker, and HDF5 with its headers. Sourced by tools/setup, run and test.
+# What Sinew needs beside a Rust toolchain: a linker, HDF5 with its headers, and for runs on several ranks MPI with its
+# headers and libclang. Sourced by tools/setup, run and test.
 #
 # Nothing is installed, and no package manager is called, when nothing is missing.
 # shellcheck shell=bash
@@ -59,6 +60,24 @@ has_certificates() {
         [ -e /etc/ssl/cert.pem ] || [ -e /etc/ssl/ca-bundle.pem ]
 }
 
+# MPI is optional: a launcher, a compiler wrapper that says where the headers are, and libclang, which reads them.
+has_mpi() { command -v mpirun >/dev/null && command -v mpicc >/dev/null && has_libclang; }
+
+has_libclang() {
+    [ -n "${LIBCLANG_PATH:-}" ] || compgen -G '/usr/lib/llvm*/lib/libclang*.so*' >/dev/null ||
+        compgen -G '/usr/lib*/libclang*.so*' >/dev/null || compgen -G '/usr/lib/*/libclang*.so*' >/dev/null ||
+        { [ "$(uname -s)" = Darwin ] && xcode-select -p >/dev/null 2>&1; }
+}
+
+# Arguments of cargo: Sinew with MPI where there is one.
+features() { has_mpi && printf '%s\n' --features mpi || true; }
+
+# Lets root start ranks, and more of them than there are cores.
+let_ranks_run() {
+    export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+    export OMPI_MCA_hwloc_base_binding_policy=none
+}
+
 has_venv() { python3 -c 'import ensurepip, venv' 2>/dev/null; }
 
 # The build asks pkg-config for `hdf5`. Where that is another name, or a library built for MPI stands in its place, point
@@ -97,13 +116,16 @@ install() {
         stop "could not install $*: see above"
 }
 
-# Sees to all that a build needs; with `python` also to what the check of particle files needs.
+# Sees to all that a build needs; with `mpi` also to MPI, with `python` to what the check of particle files needs.
 need_packages() {
-    local debian=() others=()
+    local debian=() others=() wanted=" $* "
     has_linker || { debian+=(gcc libc6-dev) others+=("a C compiler"); }
     has_hdf5 || { debian+=(pkg-config libhdf5-dev) others+=("HDF5 with its headers" "pkg-config"); }
     has_certificates || { debian+=(ca-certificates) others+=("TLS certificates"); }
-    if [ "${1:-}" = python ] && ! has_readers && ! has_venv; then
+    if [[ $wanted = *' mpi '* ]] && ! has_mpi; then
+        debian+=(openmpi-bin libopenmpi-dev libclang-dev) others+=("MPI with its headers" "libclang")
+    fi
+    if [[ $wanted = *' python '* ]] && ! has_readers && ! has_venv; then
         debian+=(python3 python3-venv) others+=("Python 3 with venv")
     fi
     if [ "${#debian[@]}" != 0 ]; then
@@ -112,13 +134,13 @@ need_packages() {
         else
             say "Sinew needs: $(printf '%s, ' "${others[@]}" | sed 's/, $//'). Install them:"
             if command -v dnf >/dev/null; then
-                stop "  sudo dnf install gcc pkgconf-pkg-config hdf5-devel python3"
+                stop "  sudo dnf install gcc pkgconf-pkg-config hdf5-devel python3 openmpi-devel clang-devel"
             elif command -v pacman >/dev/null; then
-                stop "  sudo pacman -S --needed gcc pkgconf hdf5 python"
+                stop "  sudo pacman -S --needed gcc pkgconf hdf5 python openmpi clang"
             elif command -v zypper >/dev/null; then
-                stop "  sudo zypper install gcc pkg-config hdf5-devel python3"
+                stop "  sudo zypper install gcc pkg-config hdf5-devel python3 openmpi4-devel clang-devel"
             elif [ "$(uname -s)" = Darwin ]; then
-                stop "  xcode-select --install; brew install hdf5 pkgconf python"
+                stop "  xcode-select --install; brew install hdf5 pkgconf python open-mpi llvm"
             fi
             stop "  by your system's package manager, or set HDF5_DIR to an HDF5 that is elsewhere"
         fi

@@ -1,7 +1,7 @@
 //! `sinew bench`: how fast are steps, task by task, and how fast could they be?
+use super::args::overrides;
 use super::fail::Failure;
 use super::progress::Progress;
-use super::run::overrides;
 use sinew::bench::{BenchError, Plan, Report, bench, compare};
 use sinew::input::scene::{Rates, Scene};
 use sinew::input::{self, units};

@@ -1,7 +1,7 @@
 //! `sinew check`: is the scene sound, and what will it cost?
+use super::args::SceneArgs;
 use super::fail::Failure;
 use super::progress::duration;
-use super::run::SceneArgs;
 use sinew::input::scene::Scene;
 use sinew::simd::Isa;
 use sinew::simulation::{Simulation, rates};

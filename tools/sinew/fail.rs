@@ -14,8 +14,10 @@ pub enum Failure {
     Run(String),
     /// A failure of this rank alone: exit status 1.
     Local(String),
-    /// A failure that another rank tells: the exit status.
-    Elsewhere(u8),
+    /// A failure that this rank has told: the exit status.
+    Told(u8),
+    /// A failure that another rank tells.
+    Elsewhere,
     /// A run that a signal ended in good order: what to say, and the exit status.
     Interrupted(String, u8),
 }
@@ -30,29 +32,30 @@ impl Failure {
     pub fn status(&self) -> u8 {
         match self {
             Failure::Usage(_) => 2,
-            Failure::Run(_) | Failure::Local(_) => 1,
-            Failure::Interrupted(_, status) | Failure::Elsewhere(status) => *status,
+            Failure::Run(_) | Failure::Local(_) | Failure::Elsewhere => 1,
+            Failure::Interrupted(_, status) | Failure::Told(status) => *status,
         }
     }
 
-    /// What there is to say; nothing, where another rank says it.
+    /// What there is to say; nothing, where it is said already or another rank says it.
     pub fn message(&self) -> String {
         match self {
             Failure::Usage(report) => format!("{report:?}"),
             Failure::Run(message) | Failure::Local(message) => format!("error: {message}"),
             Failure::Interrupted(message, _) => message.clone(),
-            Failure::Elsewhere(_) => String::new(),
+            Failure::Told(_) | Failure::Elsewhere => String::new(),
         }
     }
 
-    /// Prints the message; the exit status. What all ranks know, the first alone says.
+    /// Prints the message; the exit status. What all ranks know, the first alone says. The others end as if nothing had
+    /// happened: a launcher that sees a bad status kills the rest, and nobody would hear the message.
     pub fn report(self) -> ExitCode {
         let rank = Launch::of_this_process().rank;
         match (&self, rank) {
-            (Failure::Elsewhere(_), _) => {}
-            (_, 0) => eprintln!("{}", self.message()),
-            (Failure::Local(_), _) => eprintln!("on rank {rank}: {}", self.message()),
-            _ => {}
+            (Failure::Told(_), _) => {}
+            (Failure::Local(_), 1..) => eprintln!("on rank {rank}: {}", self.message()),
+            (Failure::Elsewhere, _) | (_, 1..) => return ExitCode::SUCCESS,
+            _ => eprintln!("{}", self.message()),
         }
         ExitCode::from(self.status())
     }

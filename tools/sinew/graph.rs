@@ -1,10 +1,12 @@
 //! `sinew graph`: the tasks of a step and what passes between them.
+use super::args::SceneArgs;
 use super::fail::Failure;
-use super::run::SceneArgs;
 use sinew::graph::build::TaskGraph;
+use sinew::graph::check::hazards;
 use sinew::graph::diagram::Diagram;
 use sinew::graph::export::Cycle;
 use sinew::graph::measured::Measured;
+use sinew::grid::{BLOCK, Decomposition, Patch};
 use sinew::input::scene::Scene;
 use sinew::output::trace;
 use sinew::plan::{self, Plan};
@@ -37,7 +39,7 @@ pub struct Args {
     /// Output form
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Ranks that share the patches (default patches: one a rank; a run cuts eight a thread)
+    /// Ranks that share the patches (default: eight patches a rank, as a run with one thread each)
     #[arg(long, value_name = "N", default_value_t = 1)]
     ranks: usize,
     /// One node a task and patch, instead of one a task
@@ -60,18 +62,31 @@ pub struct Args {
     trace: Option<PathBuf>,
 }
 
+/// Patches a rank, if nobody says how many.
+const PATCHES: usize = 8;
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = args.scene.read()?;
-    let plan = plan::plan(&scene, args.ranks).map_err(Failure::usage)?;
+    let wanted = if args.ranks > 1 { PATCHES * args.ranks } else { 1 };
+    let plan = plan::plan(&scene, wanted, args.ranks).map_err(Failure::usage)?;
     let patches = plan.decomposition.patches.len();
-    let graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
+    let mut graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
     if let Some(what) = &args.why {
         return why(&scene, &graph, what);
     }
+    if args.check {
+        return check(&scene, patches, &plan.decomposition);
+    }
     outside("patch", args.patch, patches)?;
     outside("rank", args.rank, args.ranks)?;
-    let measured = args.trace.as_deref().map(trace::read).transpose()?;
+    let measured = args.trace.as_deref().map(trace::read).transpose().map_err(Failure::usage)?;
+    if args.format == Format::Html {
+        // the page is for people: they want the line
+        for entry in graph.recipe.entries.iter_mut().filter(|entry| !entry.because.is_empty()) {
+            entry.because = because(&scene, &entry.because);
+        }
+    }
     show(args, &scene, &graph, &plan, measured.as_ref())
 }
 
@@ -131,6 +146,26 @@ fn diagram<'a>(
     diagram
 }
 
+/// Answers `--check`.
+fn check(scene: &Scene, patches: usize, decomposition: &Decomposition) -> Result<(), Failure> {
+    let (graph, refusals) = plan::inspect(scene, patches);
+    let across = |patch: &Patch| patch.blocks.size().map(|blocks| blocks * BLOCK as usize);
+    let narrowest = decomposition.patches.iter().flat_map(across).min().unwrap_or(0);
+    let hazards = hazards(&graph, narrowest, &plan::read_by_reports(scene));
+    refusals.iter().for_each(|refusal| println!("refused: {refusal}"));
+    hazards.iter().for_each(|hazard| println!("{hazard}"));
+    let tasks = graph.graph.node_count();
+    match refusals.len() + hazards.len() {
+        0 => {
+            let word = if patches == 1 { "patch" } else { "patches" };
+            println!("{tasks} tasks on {patches} {word}: no race, no undeclared halo, no idle label");
+            Ok(())
+        }
+        1 => Err(Failure::Run("one finding".to_owned())),
+        many => Err(Failure::Run(format!("{many} findings"))),
+    }
+}
+
 /// Answers `--why`.
 fn why(scene: &Scene, graph: &TaskGraph, what: &str) -> Result<(), Failure> {
     let lines = match what.split_once(':') {
@@ -149,13 +184,16 @@ fn why(scene: &Scene, graph: &TaskGraph, what: &str) -> Result<(), Failure> {
 
 /// The lines of the scene behind the tasks of a name.
 fn tasks(scene: &Scene, graph: &TaskGraph, name: &str) -> Vec<String> {
-    let line = |(name, key): (String, String)| {
-        let line = scene.lines.iter().find(|(k, _)| !key.is_empty() && k.starts_with(&key));
-        match (key.as_str(), line) {
-            ("", _) => format!("{name}: every explicit step has it"),
-            (_, Some((key, line))) => format!("{name}: {key}, line {line} of the scene"),
-            (key, None) => format!("{name}: {key}, by default or by --set"),
-        }
-    };
+    let line = |(name, key): (String, String)| format!("{name}: {}", because(scene, &key));
     graph.why(name).into_iter().map(line).collect()
+}
+
+/// The line of the scene that begins with a dotted key.
+fn because(scene: &Scene, key: &str) -> String {
+    let line = scene.lines.iter().find(|(k, _)| !key.is_empty() && k.starts_with(key));
+    match (key, line) {
+        ("", _) => "every explicit step has it".to_owned(),
+        (_, Some((key, line))) => format!("{key}, line {line} of the scene"),
+        (key, None) => format!("{key}, by default or by --set"),
+    }
 }

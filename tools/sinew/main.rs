@@ -1,4 +1,5 @@
 //! The `sinew` command: one file a subcommand.
+mod args;
 mod bench;
 mod check;
 mod compare;
@@ -16,6 +17,7 @@ mod signals;
 mod wound;
 
 use clap::{Parser, Subcommand};
+use sinew::exec::ranks::launch::Launch;
 use std::process::ExitCode;
 
 /// Coupled solids by the material point method: tissue that fails, metal that yields, rigid tools.
@@ -31,7 +33,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Run(run::Args),
+    Run(args::RunArgs),
     Check(check::Args),
     Graph(graph::Args),
     Wound(wound::Args),
@@ -67,7 +69,16 @@ fn main() -> ExitCode {
         .with_span_events(spans)
         .with_writer(std::io::stderr)
         .init();
-    let result = match Cli::parse().command {
+    let command = match Cli::try_parse() {
+        Ok(cli) => cli.command,
+        // as one of several ranks, the first alone talks
+        Err(_) if Launch::of_this_process().rank > 0 => return ExitCode::SUCCESS,
+        Err(error) => error.exit(),
+    };
+    if Launch::of_this_process().rank > 0 && !matches!(command, Command::Run(_) | Command::Ping(_)) {
+        return ExitCode::SUCCESS;
+    }
+    let result = match command {
         Command::Run(args) => run::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Graph(args) => graph::run(&args),

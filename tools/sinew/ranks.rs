@@ -30,11 +30,11 @@ pub fn agree<T>(network: &mut dyn Network, mine: Result<T, Failure>) -> Result<T
     let status = mine.as_ref().err().map_or(0, |failure| u64::from(failure.status()));
     let all = collective::share(network, &[status]).map_err(lost)?;
     match all.iter().flatten().enumerate().find(|(_, status)| **status > 0) {
-        Some((first, &status)) if first != network.rank() => Err(Failure::Elsewhere(status as u8)),
+        Some((first, _)) if first != network.rank() => Err(Failure::Elsewhere),
         // who fails alone says so; what rank 0 knows, it says at its end
-        Some((first, &status)) if first > 0 => mine.map_err(|failure| {
+        Some((first, _)) if first > 0 => mine.map_err(|failure| {
             eprintln!("on rank {first}: {}", failure.message());
-            Failure::Elsewhere(status as u8)
+            Failure::Told(failure.status())
         }),
         _ => mine,
     }

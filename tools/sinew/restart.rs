@@ -1,7 +1,7 @@
 //! `sinew run --restart`: from the last whole checkpoint on.
+use super::args::RunArgs;
 use super::fail::Failure;
 use super::ranks;
-use super::run::Args;
 use sinew::exec::ranks::Network;
 use sinew::input::identity::first_difference;
 use sinew::input::scene::Scene;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// The run in `folder`, where its last whole checkpoint left it.
 pub fn resume(
-    args: &Args,
+    args: &RunArgs,
     folder: &Path,
     isa: Isa,
     mut network: Box<dyn Network>,
@@ -40,7 +40,7 @@ pub fn resume(
 }
 
 /// The scene that is given, that of the folder, or that of the checkpoint, with the changes of the command line.
-fn scene(args: &Args, folder: &Path, checkpoint: &Reader) -> Result<Scene, Failure> {
+fn scene(args: &RunArgs, folder: &Path, checkpoint: &Reader) -> Result<Scene, Failure> {
     let overrides = args.changes.overrides()?;
     let written = folder.join("scene.toml");
     let mut scene = match &args.scene {

@@ -1,4 +1,5 @@
 //! `sinew run`: a scene, from the first step to the last.
+use super::args::RunArgs;
 use super::fail::Failure;
 use super::progress::Progress;
 use super::signals::Signals;
@@ -12,102 +13,8 @@ use sinew::simulation::recorder::{End, Next, Recorder, holds_run};
 use sinew::simulation::{RunError, Simulation};
 use std::path::{Path, PathBuf};
 
-/// Which scene, with what changed.
-#[derive(clap::Args)]
-pub struct SceneArgs {
-    /// Folder with a scene.toml, or a .toml file
-    pub scene: PathBuf,
-    #[command(flatten)]
-    pub changes: Changes,
-}
-
-/// What is changed in a scene.
-#[derive(clap::Args)]
-pub struct Changes {
-    /// Threads (default: all cores)
-    #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
-    /// Patches along x, y and z, for example 2x1x2 (default: eight a thread)
-    #[arg(long, value_name = "AxBxC")]
-    pub patches: Option<String>,
-    /// Stop after N steps
-    #[arg(long, value_name = "N")]
-    pub steps: Option<u64>,
-    /// End of the simulated time, for example "0.2 ms"
-    #[arg(long, value_name = "T")]
-    pub until: Option<String>,
-    /// Override a field of the scene, for example run.cfl=0.2 or material.tissue.c1="3 kPa"
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-}
-
-impl SceneArgs {
-    /// The scene with all overrides.
-    pub fn read(&self) -> Result<Scene, Failure> {
-        Ok(sinew::input::read(&self.scene, &self.changes.overrides()?)?)
-    }
-}
-
-impl Changes {
-    /// As pairs of key and value.
-    pub fn overrides(&self) -> Result<Vec<(String, String)>, Failure> {
-        let mut overrides = overrides(&self.set)?;
-        let mut set = |key: &str, value: Option<String>| {
-            overrides.extend(value.map(|value| (key.to_owned(), value)));
-        };
-        set("run.threads", self.threads.map(|n| n.to_string()));
-        set("run.steps", self.steps.map(|n| n.to_string()));
-        set("run.until", self.until.clone());
-        set("run.patches", self.patches.as_ref().map(|text| format!("[{}]", text.replace(['x', 'X'], ", "))));
-        Ok(overrides)
-    }
-}
-
-/// Overrides of a command line as pairs of key and value.
-pub fn overrides(set: &[String]) -> Result<Vec<(String, String)>, Failure> {
-    let pair = |pair: &String| {
-        let (key, value) = pair.split_once('=').ok_or_else(|| {
-            Failure::usage(format!("--set {pair}: write it as KEY=VALUE, for example run.cfl=0.2"))
-        })?;
-        Ok((key.trim().to_owned(), value.trim().to_owned()))
-    };
-    set.iter().map(pair).collect()
-}
-
-/// Run a scene and leave a folder with summary, history, particle file, checkpoints and pictures
-///
-/// SIGINT (Ctrl-C), SIGTERM and SIGUSR1 end a run after the step it is in, with a checkpoint; a second one ends it at once.
-/// The exit status is then 130, 143 or 138. mpirun leaves ranks a second after SIGINT and SIGTERM, but passes SIGUSR1 on and
-/// waits.
-#[derive(clap::Args)]
-pub struct Args {
-    /// Folder with a scene.toml, or a .toml file
-    #[arg(required_unless_present = "restart")]
-    pub scene: Option<PathBuf>,
-    #[command(flatten)]
-    pub changes: Changes,
-    /// Folder for the results (default: runs/NAME, or the first free of runs/NAME-2, runs/NAME-3, …)
-    #[arg(long, value_name = "DIR", conflicts_with = "restart")]
-    out: Option<PathBuf>,
-    /// Go on with the run in DIR from its last whole checkpoint, bit for bit, on any patches and threads; --until, --steps and
-    /// --set of output keys may change, the physics may not
-    #[arg(long, value_name = "DIR")]
-    restart: Option<PathBuf>,
-    /// Overwrite a run that the folder holds; with --restart: go on although another version of Sinew or another instruction
-    /// set wrote the checkpoint, with other bits
-    #[arg(long)]
-    pub force: bool,
-    /// Write trace.json: what each thread of each rank does and waits for, for Perfetto (ui.perfetto.dev) and for
-    /// sinew graph --trace
-    #[arg(long)]
-    trace: bool,
-    /// No progress on the screen
-    #[arg(long, short)]
-    pub quiet: bool,
-}
-
 /// Runs the subcommand.
-pub fn run(args: &Args) -> Result<(), Failure> {
+pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let isa = Isa::from_environment().map_err(Failure::usage)?;
     let (network, here) = ranks::connect()?;
     let first = network.rank() == 0;
@@ -143,9 +50,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
         End::Completed => {}
     }
-    let shown = if first { show(&simulation.scene, &folder) } else { Ok(()) };
-    simulation.network().part(None);
-    shown
+    if simulation.network().size() > 1 {
+        // a picture takes a whole frame: no rank holds the particles of all
+        if first && simulation.scene.output.frames > 0 {
+            println!("to see it      sinew picture {0}; sinew wound {0}", folder.display());
+        }
+        simulation.network().part(None);
+        return Ok(());
+    }
+    show(&simulation.scene, &folder)
 }
 
 /// Wound table and pictures, if the scene has them.
@@ -163,7 +76,7 @@ fn show(scene: &Scene, folder: &Path) -> Result<(), Failure> {
 
 /// A run from the first step on.
 fn begin(
-    args: &Args,
+    args: &RunArgs,
     isa: Isa,
     mut network: Box<dyn Network>,
     here: usize,

@@ -1,6 +1,6 @@
 //! `sinew scale`: how a scene scales, here and beyond.
+use super::args::overrides;
 use super::fail::Failure;
-use super::run::overrides;
 use sinew::exec::ranks::launch::cores;
 use sinew::input::scene::{Rates, Scene};
 use sinew::scale::field::Field;

@@ -30,8 +30,12 @@ impl Signals {
         self.0.load(Ordering::Relaxed) > 0
     }
 
-    /// The exit status of a run that one ended.
+    /// The exit status of a run that one ended. If it reached another rank alone, it counts as SIGTERM.
     pub fn exit_status(&self) -> u8 {
-        u8::try_from(BY_SIGNAL as usize + self.0.load(Ordering::Relaxed)).unwrap_or(1)
+        let signal = match self.0.load(Ordering::Relaxed) {
+            0 => SIGTERM as usize,
+            signal => signal,
+        };
+        u8::try_from(BY_SIGNAL as usize + signal).unwrap_or(1)
     }
 }

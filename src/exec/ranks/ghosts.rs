@@ -290,9 +290,9 @@ fn header(block: &ParticleBlock) -> Wide {
 }
 
 fn read_header(line: &[Wide]) -> (IndexBox, [bool; 2]) {
-    let [x0, y0, z0, x1, y1, z1, sums, contact] = line.first().map_or([0.0; 8], |line| line.0);
+    let [x0, y0, z0, x1, y1, z1, first, second] = line.first().map_or([0.0; 8], |line| line.0);
     let corner = |x: [f64; 3]| x.map(|i| i as i32);
-    (IndexBox { lower: corner([x0, y0, z0]), upper: corner([x1, y1, z1]) }, [sums == 1.0, contact == 1.0])
+    (IndexBox { lower: corner([x0, y0, z0]), upper: corner([x1, y1, z1]) }, [first == 1.0, second == 1.0])
 }
 
 /// Reads a message; remembers how much should have been there.

@@ -67,7 +67,8 @@ pub fn threads(asked: Option<usize>, here: usize) -> (usize, Option<String>) {
     let fair = if all.is_some_and(|all| allowed < all) { allowed } else { shared };
     let threads = asked.unwrap_or(fair);
     let wanted = asked.unwrap_or(shared);
-    let bound = here > 1 && allowed < wanted;
+    let launched = VARIABLES.iter().any(|[rank, _]| env::var_os(rank).is_some());
+    let bound = launched && allowed < wanted;
     let cores = all.map_or(String::new(), |all| format!(" of {all}"));
     let note = bound.then(|| {
         format!(

@@ -6,7 +6,6 @@ pub mod launch;
 pub mod local;
 pub mod migrate;
 #[cfg(feature = "mpi")]
-#[allow(unsafe_code)]
 pub mod mpi;
 pub mod occupied;
 pub mod reduction;
@@ -37,8 +36,10 @@ pub enum Channel {
 }
 
 impl Channel {
-    /// Number of channels.
-    pub const COUNT: usize = 7;
+    /// Whether such messages come in every tick, so that their memory is worth keeping; others may be large.
+    pub fn is_of_every_tick(self) -> bool {
+        matches!(self, Channel::Sums | Channel::Motion | Channel::Reduction)
+    }
 }
 
 /// The ranks of a run, seen from one of them. A message is a number of cache lines.

@@ -3,6 +3,7 @@
 //! All calls come from the thread that started MPI (funneled). Messages travel by nonblocking calls whose memory this
 //! module owns until they are done; that is what the unsafe code here is for, because the safe interface of the crate
 //! binds requests to a scope, and a step is no scope.
+#![allow(unsafe_code)]
 use super::{Channel, Network, NetworkError};
 use crate::simd::{LANES, Wide};
 use mpi::datatype::Equivalence;
@@ -26,13 +27,20 @@ pub struct Mpi {
     world: SimpleCommunicator,
     /// On this machine.
     neighbors: usize,
-    sends: Vec<(MPI_Request, Vec<Wide>)>,
+    sends: Vec<Pending>,
     receives: Vec<Posted>,
     memory: Vec<Vec<Wide>>,
     /// Whether all ranks have come to their end.
     parted: bool,
     /// Ends MPI when it is dropped: after everything else.
     _universe: Universe,
+}
+
+/// A send under way.
+struct Pending {
+    channel: Channel,
+    request: MPI_Request,
+    message: Vec<Wide>,
 }
 
 /// A receive under way.
@@ -69,13 +77,15 @@ impl Mpi {
             let mut done = 0;
             // SAFETY: the request is one of ours and under way; MPI_Test sets it to null when it is done, and then it is
             // dropped with its memory
-            unsafe { ffi::MPI_Test(&mut self.sends[at].0, &mut done, ffi::RSMPI_STATUS_IGNORE) };
+            unsafe { ffi::MPI_Test(&mut self.sends[at].request, &mut done, ffi::RSMPI_STATUS_IGNORE) };
             if done == 0 {
                 at += 1;
                 continue;
             }
-            let (_, message) = self.sends.swap_remove(at);
-            self.give_back(message);
+            let Pending { channel, message, .. } = self.sends.swap_remove(at);
+            if channel.is_of_every_tick() {
+                self.give_back(message);
+            }
         }
     }
 
@@ -156,7 +166,7 @@ impl Network for Mpi {
             ffi::MPI_Isend(message.as_ptr().cast(), numbers, number(), to, tag, comm, request.as_mut_ptr());
             request.assume_init()
         };
-        self.sends.push((request, message));
+        self.sends.push(Pending { channel, request, message });
     }
 
     fn expect(&mut self, from: usize, channel: Channel, most: usize) {

@@ -127,7 +127,7 @@ impl Builder<'_> {
     fn exchange(&mut self, kind: Kind, labels: &[LabelId]) {
         let traffic = self.diagram.traffic;
         let (word, pairs) = match kind {
-            Kind::Halo(_) => ("Halo", traffic.halo(labels)),
+            Kind::Halo(phase) => ("Halo", traffic.halo(&self.diagram.graph.phases[phase])),
             Kind::Relocation => ("Relocate", traffic.relocation()),
             _ => ("Reduce", traffic.reduce(labels)),
         };
@@ -195,7 +195,7 @@ impl Builder<'_> {
             (_, material) => format!("particles of {}", self.diagram.material(material)),
         };
         if let (Some(_), Some(material)) = (cycle.most, stage.material) {
-            title += if stage.when == When::Begin { ", as its step begins" } else { ", as its step ends" };
+            title += if stage.when == When::Begin { "\nas its step begins" } else { "\nas its step ends" };
             let ticks = cycle.own[material].ticks;
             if ticks > 1 {
                 title += &format!(" (about every {ticks} ticks)");

@@ -3,7 +3,8 @@ use super::{Diagram, Item, Kind};
 use crate::data::label::Home;
 use crate::graph::measured::About;
 use crate::graph::recipe::over_particles;
-use crate::graph::task::{Declaration, Domain};
+use crate::graph::task::{Access, Declaration, Domain};
+use crate::graph::traffic::Traffic;
 use std::collections::BTreeMap;
 
 /// Nanoseconds for each particle and number of eight-particle lines that a task declares.
@@ -24,13 +25,16 @@ pub const ESTIMATE: &str = "estimated: 0.12 ns a particle and line that a task d
 1 µs for what runs once, 2 µs and 0.2 ns a byte for a message; one thread a rank";
 
 /// A task's estimated cost for a particle or node [ns].
-fn nominal(task: &Declaration) -> f64 {
+fn nominal(task: &Declaration, material: Option<usize>, traffic: &Traffic) -> f64 {
     match task.domain {
         Domain::Once => ONCE,
         Domain::Nodes => {
             NODE * task.access.iter().filter(|a| a.label.home() == Home::Node).count().max(1) as f64
         }
-        _ => PARTICLE * task.access.iter().map(|a| a.label.width()).sum::<usize>() as f64,
+        _ => {
+            let width = |a: &Access| traffic.width(a.label, material.unwrap_or(0));
+            PARTICLE * task.access.iter().map(width).sum::<u64>() as f64
+        }
     }
 }
 
@@ -69,7 +73,7 @@ impl Diagram<'_> {
                         .unwrap_or(0),
                     _ => item.work,
                 };
-                work as f64 * nominal(task)
+                work as f64 * nominal(task, item.material, traffic)
             }
             Kind::Relocation => {
                 let blocks: u64 = traffic.blocks.iter().flatten().sum();
@@ -83,7 +87,7 @@ impl Diagram<'_> {
     /// The estimated time of the messages that an item stands for: those of the rank that receives most.
     fn exchange(&self, item: &Item) -> f64 {
         let pairs = match item.kind {
-            Kind::Halo(_) => self.traffic.halo(&item.labels),
+            Kind::Halo(phase) => self.traffic.halo(&self.graph.phases[phase]),
             Kind::Reduction(_) => self.traffic.reduce(&item.labels),
             _ => self.traffic.relocation(),
         };

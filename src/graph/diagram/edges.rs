@@ -31,8 +31,8 @@ impl Builder<'_> {
                 weight.ghost = weight.ghost.max(spread(from, weight.label));
                 self.through_halo(from, to, phase, &weight);
             } else if crosses && graph.phases[phase].reductions.contains(&weight.label) {
-                self.into_reduction(from, Some(phase), &weight);
-                self.from_reduction(to, phase, &weight);
+                self.reduce_from(from, Some(phase), &weight);
+                self.reduced_to(to, phase, &weight);
             } else {
                 self.direct(from, to, &weight);
             }
@@ -49,7 +49,7 @@ impl Builder<'_> {
                 let material = it.material.unwrap_or(0);
                 let edge = Edge { label: access.label, material, why: Why::Flow, ghost: 0 };
                 if access.mode == Mode::Computes && graph.at_end.contains(&access.label) {
-                    self.into_reduction(node, None, &edge);
+                    self.reduce_from(node, None, &edge);
                 }
                 if access.label.home() == Home::Block {
                     for (place, from) in self.places(node) {
@@ -133,14 +133,14 @@ impl Builder<'_> {
         }
     }
 
-    fn into_reduction(&mut self, from: NodeIndex, phase: Option<usize>, edge: &Edge) {
+    fn reduce_from(&mut self, from: NodeIndex, phase: Option<usize>, edge: &Edge) {
         for (place, source) in self.places(from) {
             let to = self.seat(Kind::Reduction(phase), place);
             self.link(source, to, edge, self.resident(from, edge, place));
         }
     }
 
-    fn from_reduction(&mut self, to: NodeIndex, phase: usize, edge: &Edge) {
+    fn reduced_to(&mut self, to: NodeIndex, phase: usize, edge: &Edge) {
         for (place, target) in self.places(to) {
             if let Some(from) = self.seat(Kind::Reduction(Some(phase)), place) {
                 self.link(from, Some(target), edge, self.resident(to, edge, place));
@@ -163,7 +163,7 @@ impl Builder<'_> {
             Home::Block => sum(&traffic.blocks),
             Home::Material | Home::Global => 1,
         };
-        LINE * lines * edge.label.width() as u64
+        LINE * lines * traffic.width(edge.label, edge.material)
     }
 
     fn link(&mut self, from: usize, to: Option<usize>, edge: &Edge, bytes: u64) {

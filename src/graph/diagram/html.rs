@@ -18,7 +18,7 @@ impl Diagram<'_> {
             .iter()
             .enumerate()
             .map(|(number, form)| {
-                let hidden = if number > 0 { " hidden" } else { "" };
+                let hidden = if number > 0 { " hidden=\"hidden\"" } else { "" };
                 format!(
                     "<div class=\"picture\" id=\"form{number}\"{hidden}>{}</div>\n",
                     form.draw(&format!("f{number}-"))
@@ -30,8 +30,8 @@ impl Diagram<'_> {
             "tasks": graph["tasks"], "pruned": graph["pruned"], "carried": graph["carried"],
             "forms": forms.iter().map(|form| form.data()).collect::<Vec<_>>(),
         });
-        // the script's element ends at the first "</", whatever that is part of
-        let data = data.to_string().replace("</", "<\\/");
+        // JSON that is neither markup nor the end of the script, whatever the scene's names are
+        let data = data.to_string().replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e");
         let page = PAGE.replace("@TITLE@", &escape(title)).replace("@PICTURES@", &pictures);
         Ok(page.replace("@DATA@", &data))
     }

@@ -1,8 +1,7 @@
 //! Items, links and what goes with them as JSON.
 use super::{Diagram, Item, Kind, Link, cost::ESTIMATE, kind_of};
-use crate::graph::traffic::Messages;
+use crate::graph::traffic::{Messages, Pairs};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 
 impl Diagram<'_> {
     /// Tasks and edges as [`crate::graph::build::TaskGraph::to_json`] has them, with all that the diagram adds.
@@ -78,7 +77,7 @@ impl Diagram<'_> {
     }
 
     fn json_messages(&self) -> Value {
-        let pairs = |pairs: BTreeMap<(usize, usize), Messages>| -> Value {
+        let pairs = |pairs: Pairs| -> Value {
             let one = |((from, to), m): ((usize, usize), Messages)| json!({ "from": from, "to": to, "count": m.count, "bytes": m.bytes });
             pairs.into_iter().map(one).collect()
         };

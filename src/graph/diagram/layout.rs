@@ -142,12 +142,16 @@ impl Planner<'_, '_> {
     fn stack(&mut self) {
         let diagram = self.diagram;
         let heights: Vec<f64> = (0..diagram.items.len()).map(|item| self.height(item)).collect();
+        let title = |group: &super::Group| match group.stage {
+            true => TITLE + 12.0 * (group.title.lines().count().max(1) - 1) as f64,
+            false => 0.0,
+        };
         let inner = |group: &super::Group| -> f64 {
             let items: f64 = group.items.iter().map(|&at| heights[at] + GAP).sum();
             if group.items.is_empty() {
                 0.0
             } else {
-                items - GAP + if group.stage { TITLE + 2.0 * PAD } else { 0.0 }
+                items - GAP + if group.stage { title(group) + 2.0 * PAD } else { 0.0 }
             }
         };
         let mut stacks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
@@ -160,20 +164,24 @@ impl Planner<'_, '_> {
         for lane in 0..diagram.lanes.len() {
             let column_heights = stacks.range((lane, 0)..(lane + 1, 0)).map(|(_, height)| *height);
             let height = column_heights.fold(0.0, f64::max);
-            let margin = if height > 0.0 { BETWEEN } else { 0.0 };
+            let above = if height > 0.0 && !diagram.lanes[lane].title.is_empty() { TITLE } else { 0.0 };
+            let margin = if height > 0.0 { BETWEEN + above } else { 0.0 };
             self.out.lanes.push(Rect { x: 0.0, y, w: 0.0, h: height + margin });
             y += height + margin;
         }
-        self.out.height = y + 20.0 + PITCH * order;
+        self.out.height = y + 34.0 + PITCH * order;
         self.out.items = vec![Rect::default(); diagram.items.len()];
         self.out.groups = vec![Rect::default(); diagram.groups.len()];
+        let titled = |lane: usize| if diagram.lanes[lane].title.is_empty() { 0.0 } else { TITLE };
         let mut used: BTreeMap<(usize, usize), f64> = BTreeMap::new();
         for (number, group) in diagram.groups.iter().enumerate().filter(|(_, g)| !g.items.is_empty()) {
             let place = (group.lane, group.column);
             let lane = self.out.lanes[group.lane];
-            let top = used.entry(place).or_insert(lane.y + 0.5 * (lane.h - stacks[&place]));
+            let top = used.entry(place).or_insert(
+                lane.y + titled(group.lane) + 0.5 * (lane.h - titled(group.lane) - stacks[&place]),
+            );
             self.out.groups[number] = Rect { x: 0.0, y: *top, w: 0.0, h: inner(group) };
-            let mut y = *top + if group.stage { TITLE + PAD } else { 0.0 };
+            let mut y = *top + if group.stage { title(group) + PAD } else { 0.0 };
             for &at in &group.items {
                 self.out.items[at] = Rect { x: 0.0, y, w: WIDTH, h: heights[at] };
                 y += heights[at] + GAP;
@@ -307,7 +315,7 @@ impl Planner<'_, '_> {
     /// The tracks of nets that pass whole columns: data above, order below.
     fn tracks(&self) -> BTreeMap<Line, f64> {
         let mut tracks = BTreeMap::new();
-        let (mut above, mut below) = (38.0, self.out.height - 12.0);
+        let (mut above, mut below) = (38.0, self.out.height - 24.0);
         for &(from, to, why) in self.bundles.keys().rev() {
             if self.column(to) > self.column(from) + 1 {
                 tracks.entry((from, why)).or_insert_with(|| {

@@ -26,6 +26,10 @@ stroke-dasharray:6 4}.band{fill:#fafafa;stroke:#ccc}.stage{fill:#fff;stroke-widt
 .link.waw path{stroke-dasharray:1 3}.critical rect,.critical path{stroke-width:2.6;stroke:#c0392b}\
 .link.critical path{opacity:1}";
 
+/// What lines mean.
+const LEGEND: &str = "solid: data; dashed: overwrites what was read; dotted: overwrites what was written; red: critical path; \
+numbers: time of a step; @n: layers of ghosts";
+
 impl Diagram<'_> {
     /// A picture, as a file of its own.
     ///
@@ -47,6 +51,7 @@ impl Diagram<'_> {
 markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0.5 8 4 0 7.5z\" fill=\"#555\"/></marker></defs>\n\
 <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n"
         );
+        let _ = writeln!(out, "<text class=\"small\" x=\"20\" y=\"{:.1}\">{LEGEND}</text>", h - 4.0);
         self.draw_lanes(&layout, &mut out);
         for (column, x) in self.columns.iter().zip(&layout.columns) {
             let _ = writeln!(out, "<text class=\"small\" x=\"{x:.1}\" y=\"16\">{}</text>", escape(column));
@@ -56,13 +61,11 @@ markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0
         {
             let (_, line) = color(self.items[group.items[0]].material);
             let _ = writeln!(out, "<rect class=\"stage\" {} rx=\"6\" stroke=\"{line}\"/>", attributes(rect));
-            let _ = writeln!(
-                out,
-                "<text class=\"small\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                rect.x + 8.0,
-                rect.y + 15.0,
-                escape(&group.title)
-            );
+            for (number, line) in group.title.lines().enumerate() {
+                let (x, y) = (rect.x + 8.0, rect.y + 15.0 + 12.0 * number as f64);
+                let _ =
+                    writeln!(out, "<text class=\"small\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escape(line));
+            }
         }
         layout.routes.iter().for_each(|route| self.draw_route(route, prefix, &mut out));
         (0..self.items.len()).for_each(|at| self.draw_item(at, &layout, prefix, &mut out));

@@ -105,7 +105,11 @@ impl Diagram<'_> {
     }
 
     fn critical(&self, out: &mut String) {
-        let how = if self.measured.is_some() { "times of the trace, where it has them" } else { ESTIMATE };
+        let how = if self.measured.is_some() {
+            "times of the trace, where it has them; workers of a rank added up"
+        } else {
+            ESTIMATE
+        };
         let _ = writeln!(out, "critical path: {} ({how})", time(self.path_ns));
         for &at in &self.path {
             let item = &self.items[at];

@@ -9,6 +9,17 @@ pub fn path(folder: &Path, steps: u64) -> PathBuf {
     folder.join(format!("checkpoint-{steps:08}.h5"))
 }
 
+/// Where it is written before it is whole.
+pub(super) fn aside(path: &Path) -> PathBuf {
+    path.with_added_extension("part")
+}
+
+/// Removes what there is of a checkpoint that could not be written.
+pub fn discard(path: &Path) {
+    // best effort: the error that matters is why it could not be written
+    let _ = fs::remove_file(aside(path));
+}
+
 /// Steps of a checkpoint, from its file's name.
 fn steps(path: &Path) -> Option<u64> {
     path.file_name()?.to_str()?.strip_prefix("checkpoint-")?.strip_suffix(".h5")?.parse().ok()

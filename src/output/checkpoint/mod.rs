@@ -8,7 +8,7 @@ mod reader;
 pub mod seal;
 mod writer;
 
-pub use folder::{Found, last_whole, list, path, prune, set_aside};
+pub use folder::{Found, discard, last_whole, list, path, prune, set_aside};
 pub use reader::Reader;
 pub use writer::Writer;
 

@@ -36,11 +36,14 @@ impl Writer {
     /// # Errors
     /// If the disk is full or the folder cannot be written.
     pub fn create(path: &Path, head: &Head) -> Result<Self> {
-        let aside = path.with_added_extension("part");
+        let aside = super::folder::aside(path);
         std::fs::File::create(&aside).map_err(error::io("create", &aside))?;
         space::reserve(&aside, SLACK)?;
         let wrong = error::hdf5("create", &aside);
-        let file = File::create(&aside).map_err(&wrong)?;
+        let mut file = File::with_options();
+        // a file system without locks is no reason to fail: nobody else knows this name
+        file.with_fapl(|access| access.file_locking(false));
+        let file = file.create(&aside).map_err(&wrong)?;
         let materials = lay_out(&file, head).and_then(|materials| file.flush().map(|()| materials));
         let materials = materials.map_err(wrong)?;
         space::reserve(&aside, room(head))?;

@@ -1,18 +1,16 @@
 //! Appends frames.
 use super::name;
+use super::rows::{column, connect, link, put, table, unit};
 use crate::output::error::{self, Error, Result};
 use crate::output::frame::{Field, Frame, Head, Piece};
 use crate::output::space;
 use hdf5::file::{CacheDecreaseMode, CacheIncreaseMode, FlashIncreaseMode, MetadataCacheConfig};
-use hdf5::types::{FixedAscii, VarLenUnicode};
-use hdf5::{Dataset, File, FileBuilder, Group, H5Type};
-use ndarray::ArrayView2;
+use hdf5::types::FixedAscii;
+use hdf5::{Dataset, File, FileBuilder, Group};
 use std::path::{Path, PathBuf};
 
 /// Rows of a chunk; fewer if the first frame has fewer particles. Pieces that end at a multiple of it are written once.
 pub const CHUNK: usize = 65_536;
-/// Rows of a chunk of the tables with one row a frame.
-const TABLE_CHUNK: usize = 64;
 /// Bytes for what HDF5 keeps about the data.
 const SLACK: usize = 1 << 20;
 /// The cell kinds that VTK demands; only the first is filled.
@@ -75,11 +73,14 @@ impl Writer {
         if reader.frames() < frames {
             return Err(content(format!("it has {} frames, not {frames}", reader.frames())));
         }
-        let (fields, chunk) = (reader.fields().to_vec(), reader.chunk());
+        let (fields, chunk, more) = (reader.fields().to_vec(), reader.chunk(), reader.frames() > frames);
         drop(reader);
         let file = unlocked().open_rw(path).map_err(error::hdf5("open", path))?;
         let mut writer = Self { path: path.into(), file, fields, frames, chunk, next: 0, open: None };
-        writer.marked(|writer| writer.forget_after(frames), "resume")?;
+        writer.next = writer.end_of(frames).map_err(error::hdf5("resume", path))?;
+        if more {
+            writer.marked(|writer| writer.forget_after(frames), "resume")?;
+        }
         Ok(writer)
     }
 
@@ -293,15 +294,18 @@ impl Writer {
         Ok(())
     }
 
+    /// Row behind the first `frames` frames.
+    fn end_of(&self, frames: usize) -> hdf5::Result<usize> {
+        let Some(last) = frames.checked_sub(1) else { return Ok(0) };
+        let root = self.root()?;
+        let row = |table: &str| -> hdf5::Result<usize> {
+            Ok(root.dataset(table)?.read_slice_1d::<i64, _>(last..=last)?[0] as usize)
+        };
+        Ok((row(name::OFFSETS)? + row(name::COUNTS)?).next_multiple_of(self.chunk.max(1)))
+    }
+
     fn forget_after(&mut self, frames: usize) -> hdf5::Result<()> {
         let root = self.root()?;
-        if let Some(last) = frames.checked_sub(1) {
-            let row = |table: &str| -> hdf5::Result<i64> {
-                Ok(root.dataset(table)?.read_slice_1d::<i64, _>(last..=last)?[0])
-            };
-            self.next = (row(name::OFFSETS)? + row(name::COUNTS)?) as usize;
-            self.next = self.next.next_multiple_of(self.chunk.max(1));
-        }
         self.count(frames)?;
         for rows in [name::COUNTS, name::TIMES, name::TAKEN, name::OFFSETS, "Lines/NumberOfCells"] {
             root.dataset(rows)?.resize(frames)?;
@@ -340,58 +344,4 @@ fn room(particles: usize, fields: &[Field]) -> usize {
     let connectivity = 2 * size_of::<i64>();
     let numbers: usize = fields.iter().map(|f| f.components).sum();
     (particles + CHUNK.min(particles)) * (fixed + connectivity + numbers * size_of::<f32>()) + SLACK
-}
-
-/// A compressed dataset of any number of rows.
-fn column<T: H5Type>(group: &Group, path: &str, components: usize, chunk: usize) -> hdf5::Result<Dataset> {
-    let dataset = group.new_dataset::<T>().shuffle().deflate(1);
-    if components == 1 {
-        dataset.chunk(chunk).shape(0..).create(path)
-    } else {
-        dataset.chunk((chunk, components)).shape((0.., components)).create(path)
-    }
-}
-
-/// A dataset with a row a frame.
-fn table<T: H5Type>(group: &Group, path: &str, components: usize) -> hdf5::Result<Dataset> {
-    column::<T>(group, path, components, TABLE_CHUNK)
-}
-
-/// Lengthens the dataset where needed and writes rows from `start` on.
-fn put<T: H5Type>(dataset: &Dataset, start: usize, components: usize, values: &[T]) -> hdf5::Result<()> {
-    let end = start + values.len() / components;
-    if components == 1 {
-        dataset.resize(end)?;
-        return if values.is_empty() { Ok(()) } else { dataset.write_slice(values, start..end) };
-    }
-    dataset.resize((end, components))?;
-    if values.is_empty() {
-        return Ok(());
-    }
-    let rows = ArrayView2::from_shape((end - start, components), values)
-        .map_err(|e| hdf5::Error::Internal(e.to_string()))?;
-    dataset.write_slice(rows, (start..end, ..))
-}
-
-/// Vertex cells 0, 1, 2…, as many as the largest frame needs.
-fn connect(root: &Group, particles: usize) -> hdf5::Result<()> {
-    let ids = root.dataset("Vertices/Connectivity")?;
-    let known = ids.size();
-    if known < particles {
-        let more: Vec<i64> = (known as i64..=particles as i64).collect();
-        put(&ids, known, 1, &more[..more.len() - 1])?;
-        put(&root.dataset("Vertices/Offsets")?, known + 1, 1, &more[1..])?;
-    }
-    Ok(())
-}
-
-/// A second name for a dataset.
-fn link(root: &Group, dataset: &str, alias: &str) -> hdf5::Result<()> {
-    if root.link_exists(alias) { Ok(()) } else { root.link_hard(dataset, alias) }
-}
-
-fn unit(dataset: &Dataset, symbol: &str) -> hdf5::Result<()> {
-    let symbol: VarLenUnicode =
-        symbol.parse().map_err(|_| hdf5::Error::Internal("a unit holds a NUL".into()))?;
-    dataset.new_attr::<VarLenUnicode>().create(name::UNIT)?.write_scalar(&symbol)
 }

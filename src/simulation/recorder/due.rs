@@ -64,3 +64,38 @@ impl Checkpoints {
         (self.last, self.any) = (Instant::now(), true);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NEVER: Checkpoint = Checkpoint { steps: None, time: None, wall: 0.0, kept: 2 };
+
+    /// The steps of 0.3 s after which one is due; the 20th is the last.
+    fn due(wanted: &Checkpoint) -> Vec<u64> {
+        let mut checkpoints = Checkpoints::begin(0.0, wanted);
+        (1..=20).filter(|&step| checkpoints.by_step(step, 0.3 * step as f64, step == 20, wanted)).collect()
+    }
+
+    #[test]
+    fn checkpoints_are_due_by_steps_by_time_and_at_the_end() {
+        assert!(due(&NEVER).is_empty());
+        assert_eq!(due(&Checkpoint { steps: Some(8), ..NEVER }), [8, 16, 20]);
+        // 1.5 s are passed with step 5, not with step 6
+        assert_eq!(due(&Checkpoint { time: Some(1.5), ..NEVER }), [5, 10, 15, 20]);
+        assert_eq!(due(&Checkpoint { time: Some(0.1), ..NEVER }).len(), 20);
+        assert_eq!(due(&Checkpoint { time: Some(100.0), ..NEVER }), [20]);
+    }
+
+    #[test]
+    fn the_clock_counts_from_the_last_one() {
+        let wanted = Checkpoint { wall: 1e-9, ..NEVER };
+        let mut checkpoints = Checkpoints::begin(0.0, &wanted);
+        assert!(!checkpoints.by_clock(&NEVER));
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        assert!(checkpoints.by_clock(&wanted));
+        checkpoints.written();
+        assert!(!checkpoints.by_clock(&Checkpoint { wall: 3600.0, ..NEVER }));
+        assert!(checkpoints.by_step(20, 6.0, true, &wanted), "a run that had one has one at the end");
+    }
+}

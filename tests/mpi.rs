@@ -1,0 +1,246 @@
+//! Ranks as processes under `mpirun`: the same bits, and an end for all when one fails. `SINEW_TEST_MPIRUN` names another
+//! launcher, for example `mpirun.mpich`; `SINEW_TEST_KILLS` sets how often a run is killed.
+#![cfg(feature = "mpi")]
+mod common;
+
+use common::Random;
+use sinew::output::checkpoint;
+use sinew::output::summary::Summary;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+fn ok<T, E: std::fmt::Display>(result: Result<T, E>) -> T {
+    result.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// `mpirun -n RANKS sinew ARGUMENTS`, also as root and on fewer cores than ranks.
+fn mpirun(ranks: usize, arguments: &[&str]) -> Command {
+    let launcher = std::env::var("SINEW_TEST_MPIRUN").unwrap_or("mpirun".into());
+    let mut command = Command::new(launcher);
+    command.args(["-n", &ranks.to_string()]).arg(assert_cmd::cargo::cargo_bin!("sinew")).args(arguments);
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).stdin(Stdio::null());
+    command.envs([
+        ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
+        ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
+        ("OMPI_MCA_rmaps_base_oversubscribe", "1"),
+        ("OMPI_MCA_hwloc_base_binding_policy", "none"),
+    ]);
+    command
+}
+
+fn words(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+#[track_caller]
+fn run(ranks: usize, arguments: &[&str], out: &Path) -> Summary {
+    let output = ok(mpirun(ranks, &[arguments, &["-q", "--out", text(out)]].concat()).output());
+    assert!(output.status.success(), "{arguments:?} on {ranks} ranks: {}", words(&output));
+    ok(Summary::read(&out.join("summary.json")))
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a path in UTF-8")
+}
+
+/// Everything in a summary that does not depend on who ran it, and on the time it took.
+fn result(summary: Summary) -> Summary {
+    let mut summary = Summary {
+        ranks: 0,
+        threads: 0,
+        patches: [0; 3],
+        wall_s: 0.0,
+        updates_per_s: 0.0,
+        updates_per_s_per_core: 0.0,
+        ..summary
+    };
+    summary.more.retain(|key, _| ["deleted_j", "ticks", "updates"].contains(&key.as_str()));
+    summary
+}
+
+#[test]
+fn a_shot_has_one_hash_on_all_ranks_threads_and_patches() {
+    let folder = ok(tempfile::tempdir());
+    // soft lead takes long steps, so that 60 of them reach the slab
+    let shot = [
+        "run",
+        "problems/slab-quick",
+        "--steps",
+        "60",
+        "--set",
+        "material.lead.bulk-modulus=4.6 GPa",
+        "--set",
+        "material.lead.shear-modulus=0.56 GPa",
+        "--set",
+        "body.bullet.shape.sphere.center.1=4.6 mm",
+        "--set",
+        "run.rebalance-every=25",
+    ];
+    for rates in ["run.rates=common", "run.rates=per-material"] {
+        let mut first = None;
+        for (ranks, threads, patches) in [
+            (1, "1", "1x1x1"),
+            (1, "2", "2x2x2"),
+            (2, "1", "2x1x1"),
+            (2, "2", "3x2x1"),
+            (3, "1", "2x2x2"),
+            (4, "2", "4x1x2"),
+            (8, "1", "2x2x2"),
+            (8, "1", "3x2x4"),
+        ] {
+            let out = folder.path().join(format!("{rates}-{ranks}-{threads}-{patches}"));
+            let layout = ["--threads", threads, "--patches", patches, "--set", rates];
+            let summary = run(ranks, &[&shot[..], &layout].concat(), &out);
+            assert_eq!((summary.ranks, summary.threads.to_string()), (ranks, threads.to_owned()));
+            let result = result(summary);
+            let wanted = first.get_or_insert(result.clone());
+            assert_eq!(&result, wanted, "{ranks} ranks, {threads} threads, {patches} patches, {rates}");
+        }
+    }
+}
+
+#[test]
+fn an_error_is_told_once_and_ends_all_ranks() {
+    let folder = ok(tempfile::tempdir());
+    let out = folder.path().join("run");
+    let cases: [(&[&str], i32, &str); 5] = [
+        (&["--set", "run.cflx=1"], 2, "did you mean `cfl`"),
+        (&["--patches", "2x1x1"], 2, "3 ranks cannot share 2 patches"),
+        (&["--patches", "99x1x1"], 2, "99 patches along x"),
+        (&["--set", "run.smallest-step=1"], 1, "the time step collapsed"),
+        (
+            &["--set", "body.bullet.velocity=[0, 5000, 0]", "--set", "run.leaving=error"],
+            1,
+            "left the domain at",
+        ),
+    ];
+    for (arguments, status, message) in cases {
+        let began = Instant::now();
+        let all = [&["run", "problems/slab-quick", "--steps", "2000", "-q"], arguments].concat();
+        let output = ok(mpirun(3, &[&all[..], &["--force", "--out", text(&out)]].concat()).output());
+        let said = words(&output);
+        assert_eq!(output.status.code(), Some(status), "{arguments:?}: {said}");
+        assert_eq!(said.replace('\n', " ").matches(message).count(), 1, "{arguments:?}: {said}");
+        assert!(began.elapsed() < Duration::from_secs(60), "{arguments:?} hangs");
+    }
+    // a folder that cannot be written, known to rank 0 alone
+    let output = ok(mpirun(2, &["run", "problems/slab-quick", "-q", "--out", "/proc/nowhere"]).output());
+    assert_eq!(output.status.code(), Some(2), "{}", words(&output));
+    assert_eq!(words(&output).matches("cannot write to").count(), 1, "{}", words(&output));
+}
+
+/// A run of two ranks that writes a checkpoint every step, or that goes on.
+fn start(parts: &Path) -> Child {
+    let any = !checkpoint::list(parts).is_empty();
+    let arguments = match any {
+        true => vec!["run", "--restart", text(parts), "-q"],
+        false => vec![
+            "run",
+            "problems/two-spheres",
+            "-q",
+            "--steps",
+            "60",
+            "--out",
+            text(parts),
+            "--force",
+            "--set",
+            "output.checkpoint.steps=1",
+            "--set",
+            "output.frames=0",
+        ],
+    };
+    // each time on another number of ranks
+    let ranks = 2 + checkpoint::list(parts).len() % 2;
+    ok(mpirun(ranks, &arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn())
+}
+
+/// The processes whose parent, or grandparent, is `parent`.
+fn ranks_of(parent: u32) -> Vec<i32> {
+    let parent_of = |pid: i32| {
+        let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+        let (_, rest) = stat.rsplit_once(')')?;
+        rest.split_whitespace().nth(1)?.parse::<i32>().ok()
+    };
+    let all = ok(std::fs::read_dir("/proc"));
+    let pids = all.filter_map(|entry| entry.ok()?.file_name().to_str()?.parse::<i32>().ok());
+    let mine = parent as i32;
+    pids.filter(|&pid| parent_of(pid).is_some_and(|p| p == mine || parent_of(p) == Some(mine))).collect()
+}
+
+fn kill(pid: i32) {
+    let _ = Command::new("kill").args(["-9", &pid.to_string()]).status();
+}
+
+fn wait(child: &mut Child, most: Duration) -> Option<std::process::ExitStatus> {
+    let began = Instant::now();
+    while began.elapsed() < most {
+        if let Some(status) = ok(child.try_wait()) {
+            return Some(status);
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    None
+}
+
+/// Kills a rank or the whole job at random moments, also while a checkpoint is written, until the run is done.
+#[test]
+fn a_killed_rank_ends_the_run_and_a_restart_goes_on() {
+    let least: usize = std::env::var("SINEW_TEST_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
+    let mut random = Random(std::process::id().into());
+    let folder = ok(tempfile::tempdir());
+    let steps = ["run", "problems/two-spheres", "--steps", "60", "--set", "output.frames=0"];
+    let whole = result(run(2, &steps, &folder.path().join("whole")));
+    let (mut kills, mut rounds) = (0, 0);
+    while kills < least {
+        rounds += 1;
+        let parts = folder.path().join(format!("parts-{rounds}"));
+        loop {
+            let mut job = start(&parts);
+            let moment = Duration::from_micros(300_000 + (random.unit() * 1_500_000.0) as u64);
+            if let Some(status) = wait(&mut job, moment) {
+                assert!(status.success(), "it ended by itself with {status}");
+                break;
+            }
+            let ranks = ranks_of(job.id());
+            let one = random.unit() < 0.6;
+            match ranks.get((random.unit() * ranks.len() as f64) as usize) {
+                Some(&rank) if one => kill(rank),
+                _ => ranks.iter().chain([&(job.id() as i32)]).for_each(|&pid| kill(pid)),
+            }
+            let Some(status) = wait(&mut job, Duration::from_secs(20)) else {
+                ranks.iter().for_each(|&pid| kill(pid));
+                panic!("the others go on {} s after a rank was killed", 20)
+            };
+            if status.success() {
+                // it was done before the blow
+                break;
+            }
+            kills += 1;
+        }
+        assert_eq!(result(ok(Summary::read(&parts.join("summary.json")))), whole, "round {rounds}");
+    }
+    println!("killed {kills} times in {rounds} runs");
+}
+
+#[test]
+fn a_signal_to_the_launcher_leaves_a_checkpoint() {
+    let folder = ok(tempfile::tempdir());
+    let out = folder.path().join("run");
+    let mut job = ok(mpirun(2, &["run", "problems/slab-quick", "-q", "--out", text(&out)])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn());
+    let began = Instant::now();
+    while !out.join("history.csv").exists() && began.elapsed() < Duration::from_secs(30) {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    std::thread::sleep(Duration::from_millis(500));
+    let _ = Command::new("kill").args(["-USR1", &job.id().to_string()]).status();
+    let status = wait(&mut job, Duration::from_secs(60)).expect("the run stops");
+    assert!(!status.success());
+    let summary = ok(Summary::read(&out.join("summary.json")));
+    assert_eq!(format!("{:?}", summary.status), "Interrupted");
+    let last = ok(checkpoint::last_whole(&out));
+    assert_eq!(last.path, checkpoint::path(&out, summary.steps));
+}
