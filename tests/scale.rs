@@ -1,5 +1,11 @@
 //! `sinew scale`: the simulation of ticks against closed forms, and a short measurement through the command.
+mod common;
+
 use assert_cmd::Command;
+use common::problem;
+use sinew::data::labels::LabelId;
+use sinew::plan;
+use sinew::scale::field::Field;
 use sinew::scale::load::{Edge, Listed, Load, Ranks};
 use sinew::scale::model::{Cluster, Costs};
 use sinew::scale::predict::{Outcome, Setup, simulate};
@@ -205,6 +211,37 @@ fn a_hundred_thousand_ranks_take_seconds() {
     let setup = Setup { ticks: 2, reduced: 12e3, ..setup(Cluster { noise: 0.01, ..Cluster::default() }) };
     let Outcome { step, shares, .. } = simulate(&ranks, &setup);
     assert!(ranks.count() == 100_000 && step > 0.0 && shares.compute > 0.5);
+}
+
+#[test]
+fn ranks_of_a_scene_send_what_the_plan_counts_for_its_first_step() {
+    for (patches, ranks) in [("[2, 2, 2]", 2), ("[3, 2, 4]", 5), ("[6, 3, 6]", 20)] {
+        let scene = problem("slab-quick", &[("run.patches", patches)]);
+        let plan = plan::plan(&scene, ranks).expect("patches that fit");
+        let field = Field::at_start(&scene).expect("a field");
+        let listed = field.ranks(&plan.decomposition, ranks, &costs(), 1).expect("enough patches");
+        let sums = plan.traffic.halo(&[LabelId::NodeSums, LabelId::ContactSums]);
+        let motion = plan.traffic.halo(&[LabelId::NodeMotion]);
+        let bytes = |pairs: &std::collections::BTreeMap<(usize, usize), _>, pair| {
+            pairs.get(&pair).map_or(0, |m: &sinew::graph::traffic::Messages| m.bytes)
+        };
+        let mut pairs = std::collections::BTreeSet::new();
+        for (from, edges) in listed.edges.iter().enumerate() {
+            for edge in edges {
+                let pair = (from, edge.to as usize);
+                pairs.insert(pair);
+                assert_eq!(edge.motion as u64, bytes(&motion, pair), "{pair:?}");
+                // with a line for each block that says what follows
+                let heads = (edge.sums as u64).checked_sub(bytes(&sums, pair)).expect("no fewer");
+                assert!(heads % 64 == 0 && heads <= 64 * field.blocks() as u64, "{pair:?}: {heads}");
+            }
+        }
+        assert_eq!(pairs, plan.traffic.neighbors);
+        let most = listed.loads.iter().map(|load| load.blocks[0] + load.blocks[1]).sum::<f64>();
+        assert_eq!(most, field.blocks() as f64);
+        let particles: f64 = field.particles().iter().sum();
+        assert_eq!(particles, plan.traffic.particles.iter().flatten().sum::<u64>() as f64);
+    }
 }
 
 /// The command on slab-quick, with its output in a folder.

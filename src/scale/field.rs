@@ -2,7 +2,7 @@
 use super::load::{Counts, Edge, Listed};
 use super::model::Costs;
 use super::torus::Brick;
-use crate::data::extent;
+use crate::data::extent::{self, MARGIN};
 use crate::data::nodes::NOWHERE;
 use crate::exec::traffic::shared;
 use crate::grid::{BlockIndex, Decomposition, IndexBox, Level, Partition};
@@ -37,18 +37,33 @@ pub struct Field {
 const LINE: f32 = 64.0;
 
 impl Field {
-    /// The blocks of a scene.
+    /// The blocks of a scene, with the nodes that their particles touch once steps have been taken.
     ///
     /// # Errors
     /// A level that holds no patch.
     pub fn of(scene: &Scene) -> Result<Self, String> {
+        Self::with(scene, 2.0 * MARGIN)
+    }
+
+    /// The same in the first step: the nodes beside a lattice that lies on nodes count too, since nobody has looked yet on
+    /// which side its particles are to rounding.
+    ///
+    /// # Errors
+    /// A level that holds no patch.
+    pub fn at_start(scene: &Scene) -> Result<Self, String> {
+        Self::with(scene, 0.0)
+    }
+
+    /// Blocks whose extents are `margin` smaller.
+    fn with(scene: &Scene, margin: f64) -> Result<Self, String> {
         let level = layout::level(scene);
         let warehouse = plan::outline(scene, Decomposition::new(&level, [1; 3])?);
         let nodes = warehouse.nodes.iter().flat_map(|patch| &patch.blocks);
         let nodes = nodes.map(|block| (block.index, block.present.len() as f64)).collect();
         let (mut blocks, mut census) = (Vec::new(), BTreeMap::new());
         for (material, block) in warehouse.blocks() {
-            let touched = extent::touched(&block.extent, block.index);
+            let bounds = extent::largest(&block.extent).map(|y| y - margin);
+            let touched = extent::touched(&extent::from_largest(bounds), block.index);
             let there = block.around.iter().enumerate().filter(|(_, place)| **place != NOWHERE);
             // all are on the one patch
             let around = there.map(|(q, place)| (place.1 as usize, shared(q, &touched))).collect();

@@ -66,77 +66,79 @@ impl Plan {
     }
 }
 
-/// The state at the end, with where the time went in the best repetition: of each row that could be measured.
+/// The rows, and where the time went in the best repetition of each that could be measured.
 pub type Measured = (Vec<Row>, Vec<Option<Tally>>);
 
-/// Measures all combinations. `say` hears about each run.
+/// A row that is being measured.
+struct Open {
+    case: Case,
+    row: Row,
+    overrides: Vec<(String, String)>,
+    times: Vec<f64>,
+    best: Option<Tally>,
+}
+
+/// Measures all combinations, in turns, so that all of them see the same neighbors on the machine. `say` hears about each
+/// run.
 pub fn measure(plan: &Plan, read: &Reader<'_>, say: &mut dyn FnMut(&str)) -> Measured {
-    let (cases, mut rows, mut tallies) = (plan.cases(), Vec::new(), Vec::new());
-    for (number, case) in cases.iter().enumerate() {
-        let mut row = Row { threads: case.threads, ranks: case.ranks, ..Row::default() };
-        let tally = one(plan, case, read, &mut row, &mut |what: &str| {
-            say(&format!("{}/{}  {what}", number + 1, cases.len()));
-        });
-        tallies.push(match tally {
-            Ok(tally) => Some(tally),
-            Err(error) => {
-                say(&format!("{}/{}  failed: {error}", number + 1, cases.len()));
-                row.error = Some(error);
-                None
+    let mut all: Vec<Open> = plan.cases().iter().map(|case| Open::new(plan, case, read)).collect();
+    let count = all.len();
+    for repetition in 1..=plan.repeat {
+        for (number, open) in all.iter_mut().enumerate().filter(|(_, open)| open.row.error.is_none()) {
+            let Row { patches, threads, ranks, .. } = open.row;
+            let place = format!("repetition {repetition} of {}, {}/{count}", plan.repeat, number + 1);
+            say(&format!("{place}: {patches} patches, {threads} threads, {ranks} ranks"));
+            if let Err(error) = open.repeat(plan) {
+                say(&format!("{place}: failed: {error}"));
+                (open.row.error, open.best) = (Some(error), None);
             }
-        });
-        rows.push(row);
+        }
     }
+    let (mut rows, tallies): (Vec<Row>, Vec<Option<Tally>>) =
+        all.into_iter().map(|open| (open.row, open.best)).unzip();
     compare(&mut rows);
     (rows, tallies)
 }
 
-/// Measures one combination.
-fn one(
-    plan: &Plan,
-    case: &Case,
-    read: &Reader<'_>,
-    row: &mut Row,
-    say: &mut dyn FnMut(&str),
-) -> Result<Tally, String> {
-    if let Patches::Total(patches) = case.patches {
-        row.patches = patches;
+impl Open {
+    fn new(plan: &Plan, case: &Case, read: &Reader<'_>) -> Self {
+        let row = Row { threads: case.threads, ranks: case.ranks, ..Row::default() };
+        let mut open = Self { case: *case, row, overrides: Vec::new(), times: Vec::new(), best: None };
+        open.row.error = open.cut(plan, read).err();
+        open
     }
-    let overrides = cell(plan, case, read)?;
-    let mut scene = read(&overrides)?;
-    row.cell_m = scene.domain.cell;
-    scene.run.patches = None;
-    let wanted = match case.patches {
-        Patches::Grid(grid) => {
-            scene.run.patches = Some(grid);
-            1
+
+    /// Cuts the scene.
+    fn cut(&mut self, plan: &Plan, read: &Reader<'_>) -> Result<(), String> {
+        if let Patches::Total(patches) = self.case.patches {
+            self.row.patches = patches;
         }
-        Patches::Total(wanted) => wanted,
-    };
-    row.grid = layout::decompose(&scene, wanted)?.0.counts;
-    row.patches = row.grid.iter().product();
-    let mut times: Vec<f64> = Vec::new();
-    let mut best = None;
-    for repetition in 0..plan.repeat {
-        say(&format!(
-            "{} patches, {} threads, {} ranks, repetition {} of {}",
-            row.patches,
-            row.threads,
-            row.ranks,
-            repetition + 1,
-            plan.repeat
-        ));
-        let (summary, tally) = child(plan, case, row.grid, &overrides)?;
+        self.overrides = cell(plan, &self.case, read)?;
+        let mut scene = read(&self.overrides)?;
+        self.row.cell_m = scene.domain.cell;
+        let (grid, wanted) = match self.case.patches {
+            Patches::Grid(grid) => (Some(grid), 1),
+            Patches::Total(wanted) => (None, wanted),
+        };
+        scene.run.patches = grid;
+        self.row.grid = layout::decompose(&scene, wanted)?.0.counts;
+        self.row.patches = self.row.grid.iter().product();
+        Ok(())
+    }
+
+    /// One repetition.
+    fn repeat(&mut self, plan: &Plan) -> Result<(), String> {
+        let (summary, tally) = child(plan, &self.case, self.row.grid, &self.overrides)?;
         let ms = 1e-6 * tally.ranks.iter().map(|rank| rank.span).fold(0.0, f64::max) / tally.steps as f64;
-        if times.iter().all(|&other| ms < other) {
-            record(row, &summary, &tally, ms);
-            best = Some(tally);
+        if self.times.iter().all(|&other| ms < other) {
+            record(&mut self.row, &summary, &tally, ms);
+            self.best = Some(tally);
         }
-        times.push(ms);
+        self.times.push(ms);
+        self.times.sort_by(f64::total_cmp);
+        self.row.step_ms[1] = self.times[self.times.len() / 2];
+        Ok(())
     }
-    times.sort_by(f64::total_cmp);
-    row.step_ms[1] = times.get(times.len() / 2).copied().unwrap_or_default();
-    best.ok_or_else(|| "nothing was measured: --repeat must be 1 or more".to_owned())
 }
 
 fn record(row: &mut Row, summary: &Summary, tally: &Tally, ms: f64) {

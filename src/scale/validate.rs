@@ -24,7 +24,7 @@ pub struct Check {
     pub error: f64,
     /// What a rank sends in a step [B], measured.
     pub measured_bytes: f64,
-    /// The same in the model, from the blocks at the start of the scene.
+    /// The same in the model, from the blocks with which the scene begins.
     pub model_bytes: f64,
     /// Whether the model was fitted to this row.
     pub fitted: bool,
@@ -51,8 +51,8 @@ pub fn validate(
         let costs = Costs { contention, ..setup.costs.clone() };
         let listed = field.ranks(&patches, row.ranks, &costs, row.threads)?;
         let edges = listed.edges.iter().flatten();
-        let bytes =
-            edges.map(|edge| f64::from(edge.sums + edge.motion + LINE)).sum::<f64>() / row.ranks as f64;
+        let bytes = edges.fold(0.0, |sum, edge| sum + f64::from(edge.sums + edge.motion + LINE));
+        let bytes = bytes / row.ranks as f64;
         let cluster = Cluster { ranks: row.ranks.max(1), noise: 0.0, ..setup.cluster };
         let setup = Setup { costs, cluster, threads: row.threads, ..setup.clone() };
         let (model_ms, measured_ms) = (1e3 * simulate(&listed, &setup).step, row.step_ms[0]);

@@ -16,7 +16,8 @@ use sinew::scale::validate::{largest, validate};
 use sinew::scale::{calibrate, series, table};
 use sinew::simulation::{layout, step_graph};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// Measure how a scene scales over patches, threads and ranks, and predict it beyond this machine
 ///
@@ -302,16 +303,34 @@ fn cores_here() -> usize {
 /// The network between ranks on this machine, as a ping between two of them measures it.
 fn here(plan: &Plan) -> Cluster {
     let mut here = Cluster::default();
-    let line = plan.launcher.replace("{ranks}", "2");
-    let mut words = line.split_whitespace();
-    let output = words.next().filter(|_| plan.ranks.iter().any(|&ranks| ranks > 1)).and_then(|launcher| {
-        Command::new(launcher).args(words).arg(&plan.program).args(["ping", "--json"]).output().ok()
-    });
-    if let Some(ping) = output.and_then(|output| serde_json::from_slice::<Ping>(&output.stdout).ok()) {
+    let ping = plan.ranks.iter().any(|&ranks| ranks > 1).then(|| pinged(plan)).flatten();
+    if let Some(ping) = ping {
         (here.inner_latency, here.overhead) = (ping.latency, ping.overhead);
         here.inner_bandwidth = ping.bandwidth;
     }
     here
+}
+
+/// How long a ping may take.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A ping between two ranks; nothing, if the launcher does not start them or they do not answer.
+fn pinged(plan: &Plan) -> Option<Ping> {
+    let line = plan.launcher.replace("{ranks}", "2");
+    let mut words = line.split_whitespace();
+    let mut command = Command::new(words.next()?);
+    command.args(words).arg(&plan.program).args(["ping", "--json"]);
+    let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().ok()?;
+    let began = Instant::now();
+    while child.try_wait().ok()?.is_none() {
+        if began.elapsed() > PATIENCE {
+            // whoever does not answer is ended; if that fails there is nothing else to do
+            let _ = child.kill().and_then(|()| child.wait());
+            return None;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    serde_json::from_reader(child.stdout.take()?).ok()
 }
 
 fn show_checks(report: &Report, here: Cluster) {
