@@ -40,9 +40,14 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
         report.materials.iter().map(part).fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
     };
     let failing: Vec<&MaterialReport> = report.materials.iter().filter(|m| m.fails).collect();
+    let balance = simulation.balance();
+    let balance = serde_json::json!({
+        "moves": balance.moves, "patches": balance.patches, "imbalance": balance.imbalance,
+    });
     let more = [
         ("memory_bytes", serde_json::json!({ "particles": particle_bytes, "nodes": node_bytes })),
         ("peak_bytes", peak_bytes.into()),
+        ("balance", balance),
         ("deleted_j", report.deleted_energy.into()),
         ("stepping_s", stepping_s.into()),
         ("ticks", simulation.ticks().into()),
