@@ -73,7 +73,7 @@ impl Rounds {
         let (extra, rounds) = (ranks - whole, whole.ilog2() as usize);
         let beyond = rank >= whole;
         while !self.done {
-            let (number, sends) = (self.number(), self.act % 2 == 0);
+            let (number, sends) = (self.number(), self.act.is_multiple_of(2));
             let mine = match number {
                 0 => (beyond && sends) || (rank < extra && !sends),
                 AFTER => (beyond && !sends) || (rank < extra && sends),
