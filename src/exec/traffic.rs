@@ -1,5 +1,5 @@
 //! Counts what patches and ranks send each other: from the blocks as they are, nothing is sent.
-use super::halo::{back, overlap, pencils};
+use super::halo::{back, overlap};
 use super::ranks::occupied::beside;
 use super::stage::SCATTERED;
 use crate::data::extent;
@@ -97,13 +97,6 @@ fn givers(warehouse: &Warehouse, rank_of: &[usize]) -> BTreeMap<(usize, usize), 
         }
     }
     givers
-}
-
-/// The nodes of the `q`-th block around that lie in the touched part of a block's buffer, one bit each.
-pub fn shared(q: usize, touched: &IndexBox) -> u64 {
-    let mut nodes = 0;
-    pencils(back(q), touched, |own, _| own.for_each(|node| nodes |= 1 << node));
-    nodes
 }
 
 /// Pairs of ranks that have blocks in sight of each other.

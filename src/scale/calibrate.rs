@@ -123,7 +123,7 @@ pub fn contention(several: &Tally, costs: &Costs, field: &Field) -> f64 {
 
 /// Bytes of the reduction of a tick: its labels, and a line of counters.
 pub fn reduced_bytes(scene: &Scene, labels: &[LabelId]) -> f64 {
-    Traffic::none(scene.materials.len()).reduced_bytes(labels) as f64 + size_of::<Wide>() as f64
+    Traffic::none(scene.materials.len()).reduced_bytes(labels) as f64
 }
 
 /// Handing work to two workers and waiting for them [ns]: the best of many.

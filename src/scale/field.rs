@@ -2,9 +2,10 @@
 use super::load::{Counts, Edge, Listed};
 use super::model::Costs;
 use super::torus::Brick;
+use crate::data::activate::FARTHEST;
 use crate::data::extent::{self, MARGIN};
 use crate::data::nodes::NOWHERE;
-use crate::exec::traffic::shared;
+use crate::exec::halo::{back, overlap};
 use crate::grid::{BlockIndex, Decomposition, IndexBox, Level, Partition};
 use crate::input::scene::Scene;
 use crate::plan;
@@ -18,8 +19,8 @@ struct Block {
     count: f64,
     near: bool,
     touched: IndexBox,
-    /// Node blocks around that exist, with the nodes of each that this block touches, one bit each.
-    around: Vec<(usize, u64)>,
+    /// Node blocks around that exist, with the nodes of each that this block touches.
+    around: Vec<(usize, IndexBox)>,
 }
 
 /// The blocks of a scene.
@@ -180,7 +181,7 @@ impl Field {
         counts
     }
 
-    /// Bytes of sums and motion from rank to rank, for all that have patches side by side.
+    /// Bytes of sums and motion from rank to rank, for all that have blocks in sight of each other.
     fn pairs(
         &self,
         homes: &[usize],
@@ -188,42 +189,46 @@ impl Field {
         rank_of: &dyn Fn(BlockIndex) -> usize,
     ) -> BTreeMap<(usize, usize), [f32; 2]> {
         let mut pairs: BTreeMap<(usize, usize), [f32; 2]> = BTreeMap::new();
-        let mut read: BTreeMap<(usize, usize, usize), u64> = BTreeMap::new();
+        let mut read: BTreeMap<(usize, usize, usize), IndexBox> = BTreeMap::new();
         let mut beside = Vec::new();
         for (block, &home) in self.blocks.iter().zip(homes) {
             beside.clear();
             for &(node, touched) in block.around.iter().filter(|(node, _)| nodes[*node] != home) {
                 let to = nodes[node];
                 let buffers = if block.near { 2.0 } else { 1.0 };
-                pairs.entry((home, to)).or_default()[0] += LINE * buffers * touched.count_ones() as f32;
+                pairs.entry((home, to)).or_default()[0] += LINE * buffers * touched.len() as f32;
                 if !beside.contains(&to) {
                     beside.push(to);
                 }
-                *read.entry((node, block.material, home)).or_default() |= touched;
+                if !touched.is_empty() {
+                    let known = read.entry((node, block.material, home)).or_insert(touched);
+                    *known = known.around(&touched);
+                }
             }
             // a line that says what follows
             beside.iter().for_each(|&to| pairs.entry((home, to)).or_default()[0] += LINE);
         }
         for ((node, _, reader), touched) in read {
-            pairs.entry((nodes[node], reader)).or_default()[1] += LINE * touched.count_ones() as f32;
+            pairs.entry((nodes[node], reader)).or_default()[1] += LINE * touched.len() as f32;
         }
-        self.side_by_side(rank_of, |pair| {
+        self.in_sight(rank_of, |pair| {
             pairs.entry(pair).or_default();
         });
         pairs
     }
 
-    /// Hands out pairs of ranks that have blocks side by side, occupied or not.
-    fn side_by_side(&self, rank_of: &dyn Fn(BlockIndex) -> usize, mut each: impl FnMut((usize, usize))) {
+    /// Hands out pairs of ranks that have blocks in sight of each other, occupied or not: these tell each other about
+    /// travelers.
+    fn in_sight(&self, rank_of: &dyn Fn(BlockIndex) -> usize, mut each: impl FnMut((usize, usize))) {
         let all = self.level.blocks();
         let ranks: Vec<usize> = all.iter().map(rank_of).collect();
         let at = |index: BlockIndex| all.offset(index).map(|at| ranks[at]);
         let mut last = (0, 0);
         for index in all.iter() {
             let Some(here) = at(index) else { continue };
-            for q in 0..27 {
-                let d = crate::grid::offset(q);
-                let there = at(std::array::from_fn(|a| index[a] + d[a]));
+            let cube = IndexBox { lower: index, upper: index.map(|i| i + 1) }.grown(FARTHEST);
+            for other in cube.common(&all).iter() {
+                let there = at(other);
                 let Some(there) = there.filter(|there| *there != here && (here, *there) != last) else {
                     continue;
                 };
@@ -232,4 +237,10 @@ impl Field {
             }
         }
     }
+}
+
+/// The nodes of the `q`-th block around that lie in the touched part of a block's buffer.
+fn shared(q: usize, touched: &IndexBox) -> IndexBox {
+    let nothing = IndexBox { lower: [0; 3], upper: [0; 3] };
+    overlap(back(q), touched).map_or(nothing, |(nodes, _)| nodes)
 }

@@ -96,13 +96,10 @@ impl Report {
 
     /// A line for threads on one rank, and one for ranks of one thread.
     fn by_workers(&self, value: impl Fn(&Row) -> f64) -> Vec<Line> {
-        let line = |name: &str, of: fn(&Row) -> bool| {
-            let points = self.best(of, &value);
-            Line { name: name.to_owned(), points, dashed: false }
-        };
+        let line = |name: &str, points| Line { name: name.to_owned(), points, dashed: false };
         let lines = [
-            line("threads on one rank", |row| row.ranks == 1),
-            line("ranks of one thread", |row| row.threads == 1),
+            line("threads on one rank", self.best(|row| row.ranks == 1, &value)),
+            line("ranks of one thread", self.best(|row| row.threads == 1, &value)),
         ];
         lines.into_iter().filter(|line| !line.points.is_empty()).collect()
     }
