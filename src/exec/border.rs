@@ -126,7 +126,7 @@ impl<'a> Border<'a> {
             let (schedule, began) = (work.context.schedule, work.trace.now());
             let [messages, lines] = match channel {
                 Channel::Motion => self.ghosts.show(self.network, schedule, data.particles, data.nodes),
-                _ => self.ghosts.give(self.network, schedule, data.particles),
+                _ => self.ghosts.give(self.network, schedule, data.particles, work.executor),
             };
             let event = Event::halo(self.phases.0 + self.next).sent(messages, lines * size_of::<Wide>());
             work.trace.record(0, began, event);

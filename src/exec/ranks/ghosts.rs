@@ -10,6 +10,7 @@ use crate::data::nodes::{NODES, NOWHERE};
 use crate::data::particles::ParticleBlock;
 use crate::data::schedule::Schedule;
 use crate::data::warehouse::{NodePatch, ParticlePatch, Warehouse};
+use crate::exec::Executor;
 use crate::exec::buffers::Buffers;
 use crate::exec::halo::{back, overlap, pencils};
 use crate::grid::IndexBox;
@@ -73,23 +74,33 @@ impl Ghosts {
         }
     }
 
-    /// Sends what the materials that begin a step have given to nodes of others; returns messages and lines.
-    pub fn give(
+    /// Sends what the materials that begin a step have given to nodes of others, packed by all workers; returns messages
+    /// and lines.
+    pub fn give<E: Executor>(
         &self,
         network: &mut dyn Network,
         schedule: &Schedule,
         particles: &[Vec<ParticlePatch>],
+        executor: &E,
     ) -> [usize; 2] {
         let mut sent = [0; 2];
         for border in &self.borders {
-            let begins = |giver: &&Giver| schedule.begins(giver.material);
-            if border.give.iter().any(|giver| begins(&giver)) {
-                let most = border.give.iter().filter(begins).map(Giver::most).sum();
-                let mut message = network.memory(most);
-                border.give.iter().filter(begins).for_each(|giver| giver.pack(particles, &mut message));
-                sent = [sent[0] + 1, sent[1] + message.len()];
-                network.send(border.rank, Channel::Sums, message);
+            let givers = border.give.iter().filter(|giver| schedule.begins(giver.material));
+            let sizes: Vec<(&Giver, usize)> = givers.map(|giver| (giver, giver.lines(particles))).collect();
+            if sizes.is_empty() {
+                continue;
             }
+            let mut message = network.message(sizes.iter().map(|(_, lines)| lines).sum());
+            let mut rest = &mut message[..];
+            let piece = |(giver, lines)| {
+                let (piece, after) = std::mem::take(&mut rest).split_at_mut(lines);
+                rest = after;
+                (giver, piece)
+            };
+            let mut pieces: Vec<(&Giver, &mut [Wide])> = sizes.into_iter().map(piece).collect();
+            executor.each(&mut pieces, |_, (giver, piece)| giver.pack(particles, piece));
+            sent = [sent[0] + 1, sent[1] + message.len()];
+            network.send(border.rank, Channel::Sums, message);
         }
         sent
     }
@@ -228,12 +239,26 @@ impl Giver {
         1 + 2 * BUFFER.min(NODES * self.towards.count_ones() as usize)
     }
 
-    fn pack(&self, particles: &[Vec<ParticlePatch>], message: &mut Vec<Wide>) {
+    /// Lines of the block in a message.
+    fn lines(&self, particles: &[Vec<ParticlePatch>]) -> usize {
         let block = self.block(particles);
-        message.push(header(block));
+        let nodes = |q| overlap(back(q), &block.touched).map_or(0, |(nodes, _)| nodes.len());
+        let partials = block.partials.iter().filter(|partial| !partial.is_empty()).count();
+        1 + partials * self.towards().map(nodes).sum::<usize>()
+    }
+
+    /// Fills the block's part of a message.
+    fn pack(&self, particles: &[Vec<ParticlePatch>], message: &mut [Wide]) {
+        let block = self.block(particles);
+        message[0] = header(block);
+        let mut at = 1;
         for partial in block.partials.iter().filter(|partial| !partial.is_empty()) {
             for q in self.towards() {
-                pencils(back(q), &block.touched, |_, lines| message.extend_from_slice(&partial[lines]));
+                pencils(back(q), &block.touched, |_, lines| {
+                    let count = lines.len();
+                    message[at..at + count].copy_from_slice(&partial[lines]);
+                    at += count;
+                });
             }
         }
     }

@@ -76,6 +76,11 @@ pub trait Network {
         Vec::with_capacity(lines)
     }
 
+    /// A message of some lines, to be overwritten whatever it holds.
+    fn message(&mut self, lines: usize) -> Vec<Wide> {
+        vec![Wide::default(); lines]
+    }
+
     /// Takes back the memory of a message that has been read.
     fn give_back(&mut self, _message: Vec<Wide>) {}
 

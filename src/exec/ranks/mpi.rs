@@ -221,6 +221,13 @@ impl Network for Mpi {
         memory
     }
 
+    fn message(&mut self, lines: usize) -> Vec<Wide> {
+        // what an old message holds need not be cleared
+        let mut message = self.memory.pop().unwrap_or_default();
+        message.resize(lines, Wide::default());
+        message
+    }
+
     fn give_back(&mut self, message: Vec<Wide>) {
         if self.memory.len() < KEPT {
             self.memory.push(message);
