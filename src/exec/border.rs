@@ -110,7 +110,10 @@ impl<'a> Border<'a> {
             let (schedule, from) = (work.context.schedule, (rank, &message[..]));
             match channel {
                 Channel::Motion => self.ghosts.see(from, schedule, data.particles, data.nodes)?,
-                _ => self.ghosts.take(from, schedule, data.particles, work.context.buffers)?,
+                _ => {
+                    let workers = (work.executor, work.context.buffers);
+                    self.ghosts.take(from, schedule, data.particles, workers)?;
+                }
             }
             self.network.give_back(message);
         }

@@ -83,6 +83,7 @@ impl<R: Ranks + ?Sized> Simulation<'_, R> {
         self.spend(rank, COMPUTE, Cause::Compute, give);
         self.ranks.edges(rank, &mut self.edges);
         let bytes: f32 = self.edges.iter().map(|edge| edge.sums).sum();
+        let bytes = self.shared(bytes);
         self.handle(rank, HALO, bytes);
         self.post(rank, Send::Sums);
     }
@@ -92,6 +93,11 @@ impl<R: Ranks + ?Sized> Simulation<'_, R> {
         let state = &mut self.states[rank];
         state.now = state.now.after(seconds, cause);
         state.spent[part] += seconds;
+    }
+
+    /// A worker's part of sums, which all of them pack and unpack.
+    fn shared(&self, bytes: f32) -> f32 {
+        bytes / self.setup.threads as f32
     }
 
     /// A rank packs or unpacks.
@@ -201,6 +207,7 @@ impl<R: Ranks + ?Sized> Simulation<'_, R> {
         let brought = self.states[rank].brings[SUMS];
         let messages = f64::from(self.states[rank].comes[SUMS]);
         self.spend(rank, HALO, Cause::Handling, messages * self.setup.cluster.overhead);
+        let brought = self.shared(brought);
         self.handle(rank, HALO, brought);
         let nodes = self.tasks(rank, load.rim[1], load.blocks[0], 1.0);
         self.spend(rank, COMPUTE, Cause::Compute, nodes);

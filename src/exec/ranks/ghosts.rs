@@ -86,7 +86,7 @@ impl Ghosts {
         let mut sent = [0; 2];
         for border in &self.borders {
             let givers = border.give.iter().filter(|giver| schedule.begins(giver.material));
-            let sizes: Vec<(&Giver, usize)> = givers.map(|giver| (giver, giver.lines(particles))).collect();
+            let sizes: Vec<(&Giver, usize)> = givers.map(|giver| (giver, giver.size(particles))).collect();
             if sizes.is_empty() {
                 continue;
             }
@@ -119,23 +119,39 @@ impl Ghosts {
         self.borders.iter().map(move |border| (border.rank, most(border))).filter(|(_, most)| *most > 0)
     }
 
-    /// Puts the sums of another rank in their place.
+    /// Puts the sums of another rank in their place, by all workers.
     ///
     /// # Errors
     /// A message of another length than the blocks say.
-    pub fn take(
+    pub fn take<E: Executor>(
         &self,
         (rank, message): (usize, &[Wide]),
         schedule: &Schedule,
         particles: &mut [Vec<ParticlePatch>],
-        buffers: &Buffers,
+        (executor, buffers): (&E, &Buffers),
     ) -> Result<(), NetworkError> {
         let mut reader = Reader { message, at: 0 };
-        for border in self.borders.iter().filter(|border| border.rank == rank) {
-            let begin = border.take.iter().filter(|giver| schedule.begins(giver.material));
-            begin.for_each(|giver| giver.unpack(particles, &mut reader, buffers));
+        let border = self.borders.iter().find(|border| border.rank == rank);
+        let takers = border.map_or(&[][..], |border| &border.take);
+        let mut takers = takers.iter().filter(|taker| schedule.begins(taker.material)).peekable();
+        let mut pieces = Vec::new();
+        for (patch, homes) in particles.iter_mut().enumerate() {
+            for (material, home) in homes.iter_mut().enumerate() {
+                for (at, block) in home.blocks.iter_mut().enumerate() {
+                    let this = |taker: &&Giver| (taker.place, taker.material) == ((patch, at), material);
+                    if let Some(taker) = takers.next_if(this) {
+                        let (touched, there) = read_header(reader.next(1));
+                        let lines = taker.lines(&touched, there.into_iter().filter(|there| *there).count());
+                        pieces.push((taker, block, (touched, there), reader.next(lines)));
+                    }
+                }
+            }
         }
-        reader.finish(rank, Channel::Sums)
+        reader.finish(rank, Channel::Sums)?;
+        executor.each(&mut pieces, |_, (taker, block, header, lines)| {
+            taker.unpack(block, *header, lines, buffers);
+        });
+        Ok(())
     }
 
     /// Sends the motion of nodes that particles of others read, of the materials whose step ends; returns messages
@@ -190,12 +206,12 @@ impl Ghosts {
     }
 }
 
-/// The blocks of some patches that have node blocks of some patches around them, material by material.
+/// The blocks of some patches that have node blocks of some patches around them, patch by patch and material by material.
 fn givers(warehouse: &Warehouse, from: impl Fn(usize) -> bool, to: impl Fn(usize) -> bool) -> Vec<Giver> {
     let mut givers = Vec::new();
-    for material in 0..warehouse.materials.len() {
-        for (patch, homes) in warehouse.particles.iter().enumerate().filter(|(patch, _)| from(*patch)) {
-            for (at, block) in homes[material].blocks.iter().enumerate() {
+    for (patch, homes) in warehouse.particles.iter().enumerate().filter(|(patch, _)| from(*patch)) {
+        for (material, home) in homes.iter().enumerate() {
+            for (at, block) in home.blocks.iter().enumerate() {
                 let theirs = |q: &usize| block.around[*q] != NOWHERE && to(block.around[*q].0 as usize);
                 let towards = (0..27).filter(theirs).fold(0, |bits, q| bits | 1 << q);
                 if towards != 0 {
@@ -239,12 +255,17 @@ impl Giver {
         1 + 2 * BUFFER.min(NODES * self.towards.count_ones() as usize)
     }
 
+    /// Lines that a block with `partials` buffers sends, besides the first.
+    fn lines(&self, touched: &IndexBox, partials: usize) -> usize {
+        let nodes = |q| overlap(back(q), touched).map_or(0, |(nodes, _)| nodes.len());
+        partials * self.towards().map(nodes).sum::<usize>()
+    }
+
     /// Lines of the block in a message.
-    fn lines(&self, particles: &[Vec<ParticlePatch>]) -> usize {
+    fn size(&self, particles: &[Vec<ParticlePatch>]) -> usize {
         let block = self.block(particles);
-        let nodes = |q| overlap(back(q), &block.touched).map_or(0, |(nodes, _)| nodes.len());
         let partials = block.partials.iter().filter(|partial| !partial.is_empty()).count();
-        1 + partials * self.towards().map(nodes).sum::<usize>()
+        1 + self.lines(&block.touched, partials)
     }
 
     /// Fills the block's part of a message.
@@ -263,10 +284,16 @@ impl Giver {
         }
     }
 
-    fn unpack(&self, particles: &mut [Vec<ParticlePatch>], reader: &mut Reader<'_>, buffers: &Buffers) {
-        let block = &mut particles[self.place.0][self.material].blocks[self.place.1];
-        let (touched, there) = read_header(reader.next(1));
+    /// Puts the block's part of a message in its place.
+    fn unpack(
+        &self,
+        block: &mut ParticleBlock,
+        (touched, there): (IndexBox, [bool; 2]),
+        message: &[Wide],
+        buffers: &Buffers,
+    ) {
         block.touched = touched;
+        let mut at = 0;
         for (partial, there) in block.partials.iter_mut().zip(there) {
             match there {
                 true if partial.is_empty() => *partial = buffers.take(),
@@ -276,7 +303,8 @@ impl Giver {
             for q in self.towards().filter(|_| there) {
                 pencils(back(q), &touched, |_, lines| {
                     let count = lines.len();
-                    partial[lines].copy_from_slice(reader.next(count));
+                    partial[lines].copy_from_slice(&message[at..at + count]);
+                    at += count;
                 });
             }
         }
@@ -327,7 +355,7 @@ struct Reader<'a> {
 }
 
 /// What a reader gives where a message is too short: the error comes at its end.
-static BLANK: [Wide; NODES] = [Wide([0.0; 8]); NODES];
+static BLANK: [Wide; 2 * BUFFER] = [Wide([0.0; 8]); 2 * BUFFER];
 
 impl<'a> Reader<'a> {
     fn next(&mut self, lines: usize) -> &'a [Wide] {
