@@ -1,17 +1,15 @@
 //! What a scene would exchange and cost, from the scene alone: no step is taken and no particle data are stored.
 use crate::data::labels::LabelId;
 use crate::data::particles::Layout;
-use crate::data::warehouse::{MaterialData, Warehouse};
+use crate::data::warehouse::Warehouse;
 use crate::exec::traffic;
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
 use crate::graph::traffic::Traffic;
 use crate::grid::{Decomposition, Partition};
 use crate::input::lattice;
-use crate::input::scene::{Behavior, Material, Rates, Scene};
-use crate::physics::law::Law;
-use crate::physics::materials::WithLaw;
-use crate::simulation::{layout, step_graph};
+use crate::input::scene::{Material, Scene};
+use crate::simulation::{layout, populate, step_graph};
 use crate::tasks::timestep;
 
 /// A scene cut into patches, and these given to ranks as a run would.
@@ -37,10 +35,7 @@ pub fn plan(scene: &Scene, wanted: usize, ranks: usize) -> Result<Plan, String> 
     let warehouse = outline(scene, decomposition.clone());
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
     let mut traffic = traffic::count(&warehouse, &partition);
-    let history = |m: &Material| match &m.behavior {
-        Behavior::Deformable(law) => law.visit(HistoryOf),
-        Behavior::Rigid(_) => 0,
-    };
+    let history = |m: &Material| populate::history_of(&m.behavior).len() as u64;
     traffic.history = scene.materials.iter().map(history).collect();
     Ok(Plan { decomposition, partition, traffic })
 }
@@ -61,31 +56,11 @@ pub fn read_by_reports(scene: &Scene) -> Vec<LabelId> {
     accesses.filter(|access| access.mode.reads()).map(|access| access.label).collect()
 }
 
-/// How many numbers a law keeps.
-struct HistoryOf;
-
-impl WithLaw for HistoryOf {
-    type Output = u64;
-    fn with<L: Law>(self, _law: L) -> u64 {
-        L::HISTORY.len() as u64
-    }
-}
-
 /// The blocks of the scene's start with their extents, neighbors and nodes, and particles without any label.
 pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
-    let materials = (0..scene.materials.len()).map(|material| MaterialData {
-        name: scene.materials[material].name.clone(),
-        layout: Layout::new([], Vec::new()),
-        half_size: timestep::half_size(scene, material),
-        contacts: (0..scene.materials.len())
-            .map(|other| {
-                scene.contacts.iter().any(|c| c.between == [material.min(other), material.max(other)])
-            })
-            .collect(),
-    });
     let partition = Partition::alone(decomposition.patches.len());
-    let mut warehouse = Warehouse::new(layout::level(scene), decomposition, partition, materials.collect());
-    warehouse.own_rates = scene.run.rates != Rates::Common;
+    let nothing = |_| Layout::new([], Vec::new());
+    let mut warehouse = populate::empty(scene, decomposition, partition, nothing);
     for body in &scene.bodies {
         for x in lattice::sample(scene, body) {
             // a body that leaves the level is refused by the run; here the rest of it counts

@@ -1,7 +1,8 @@
 //! Runs that are stopped and go on: the same bits as if nothing had happened, and no damaged checkpoint is ever used.
 mod common;
 
-use common::{Overrides, Random, finish, problem, scene};
+use common::command::{ok, sinew, text, words};
+use common::{Overrides, Random, finish, scene, soft_shot};
 use sinew::exec::ranks::local::Local;
 use sinew::exec::ranks::{Alone, Network};
 use sinew::input::scene::Scene;
@@ -14,10 +15,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 type Layout = ([usize; 3], usize);
-
-fn ok<T, E: std::fmt::Display>(result: Result<T, E>) -> T {
-    result.unwrap_or_else(|error| panic!("{error}"))
-}
 
 fn laid_out(mut scene: Scene, (patches, threads): Layout) -> Scene {
     (scene.run.patches, scene.run.threads) = (Some(patches), Some(threads));
@@ -68,16 +65,8 @@ fn goes_on(scene: &Scene, random: &mut Random) {
     }
 }
 
-/// The quick slab with a ball of soft lead, so that 40 steps shoot it through the slab.
 fn shot(overrides: Overrides<'_>) -> Scene {
-    let soft = [
-        ("material.lead.bulk-modulus", "46 MPa"),
-        ("material.lead.shear-modulus", "5.6 MPa"),
-        ("material.lead.yield-stress", "0.2 MPa"),
-        ("body.bullet.shape.sphere.center.1", "4.6 mm"),
-        ("run.steps", "40"),
-    ];
-    problem("slab-quick", &[&soft, overrides].concat())
+    soft_shot("40", overrides)
 }
 
 #[test]
@@ -287,21 +276,6 @@ fn a_checkpoint_of_other_materials_is_refused() {
     let other = scene(CLOUD, &[]);
     let error = Simulation::restore(Box::new(Alone), other, Isa::detect(), &reader).map(|_| ());
     assert!(matches!(error, Err(RunError::Checkpoint(_))), "{:?}", error.err().map(|e| e.to_string()));
-}
-
-fn sinew(arguments: &[&str]) -> Output {
-    ok(Command::new(assert_cmd::cargo::cargo_bin!("sinew")).args(arguments).output())
-}
-
-fn words(output: &Output) -> String {
-    // messages are wrapped to the width of the terminal
-    let text =
-        String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
-    text.replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("a plain path")
 }
 
 /// A run of the two spheres with a checkpoint after every step.

@@ -1,24 +1,16 @@
 //! The command as a user meets it: exit statuses, messages, and nothing overwritten.
+mod common;
+
 use assert_cmd::Command;
+use common::command::{sinew, words};
 use std::path::Path;
 use std::process::Output;
-
-fn sinew(arguments: &[&str]) -> Output {
-    Command::cargo_bin("sinew").expect("the command is built").args(arguments).output().expect("it starts")
-}
 
 fn short_run(out: &Path, more: &[&str]) -> Output {
     let out = out.to_str().expect("a plain path");
     let mut arguments = vec!["run", "problems/two-spheres", "--steps", "3", "--out", out];
     arguments.extend(more);
     sinew(&arguments)
-}
-
-fn words(output: &Output) -> String {
-    // messages are wrapped to the width of the terminal
-    let text =
-        String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
-    text.replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! `sinew compare`: what differs is found and named, and what may differ does not count.
+mod common;
+
+use common::command::{sinew, text, words};
 use sinew::output::compare::{Column, Particles, Tolerances, compare, component_name, history};
 use std::path::Path;
-use std::process::{Command, Output};
 
 fn particles(identities: &[u64], stress: impl Fn(u64) -> [f64; 6]) -> Particles {
     let values = identities.iter().flat_map(|&id| stress(id)).collect();
@@ -80,21 +82,6 @@ fn the_first_cell_of_a_history_that_differs_is_named() {
     assert_eq!(history::compare(one, &other, &tolerances(&["history=0.11"])).first, None);
     let first = history::compare(one, "time_s,step,energy_j\n0,0,1\n", &tolerances(&["1"])).first;
     assert_eq!(first.map(|cell| (cell.row, cell.column)), Some((2, String::new())));
-}
-
-fn sinew(arguments: &[&str]) -> Output {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("sinew"));
-    command.args(arguments).output().unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn words(output: &Output) -> String {
-    let text =
-        String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
-    text.replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("a plain path")
 }
 
 /// Compares, and looks at status and words.

@@ -1,31 +1,15 @@
 //! Graphs from declarations: what is derived, refused, pruned, fused and exported.
 mod common;
 
+use common::tasks;
 use petgraph::stable_graph::NodeIndex;
 use sinew::data::labels::*;
 use sinew::graph::build::TaskGraph;
 use sinew::graph::error::GraphError;
 use sinew::graph::recipe::{Entry, Recipe, Why};
-use sinew::graph::task::{At, Body, Domain, Runnable};
+use sinew::graph::task::{Domain, Runnable};
 use sinew::input::scene::Scene;
-use sinew::simd::Simd;
 use sinew::simulation::{rates, step_graph};
-
-/// Tasks that declare and do nothing.
-macro_rules! tasks {
-    ($($domain:ident $module:ident $name:ident { $($declaration:tt)* })*) => {$(
-        #[allow(dead_code)]
-        mod $module {
-            use super::*;
-            pub struct $name;
-            sinew::task! { $domain task $name { $($declaration)* } }
-            impl Body for $name {
-                fn run<S: Simd>(&self, _at: &At<'_>, _io: Io<'_>) {}
-            }
-        }
-        use $module::$name;
-    )*};
-}
 
 tasks! {
     Particles make_flow MakeFlow { requires old { mass: Mass } computes { flow: MassFlow } }

@@ -1,29 +1,14 @@
 //! Hazards in graphs that are wrong on purpose.
 mod common;
 
+use common::tasks;
+
 use sinew::data::labels::*;
 use sinew::graph::build::TaskGraph;
 use sinew::graph::check::{Hazard, hazards};
 use sinew::graph::error::GraphError;
 use sinew::graph::recipe::{Entry, Recipe};
-use sinew::graph::task::{At, Body, Runnable};
-use sinew::simd::Simd;
-
-/// Tasks that declare and do nothing.
-macro_rules! tasks {
-    ($($domain:ident $module:ident $name:ident { $($declaration:tt)* })*) => {$(
-        #[allow(dead_code)]
-        mod $module {
-            use super::*;
-            pub struct $name;
-            sinew::task! { $domain task $name { $($declaration)* } }
-            impl Body for $name {
-                fn run<S: Simd>(&self, _at: &At<'_>, _io: Io<'_>) {}
-            }
-        }
-        use $module::$name;
-    )*};
-}
+use sinew::graph::task::Runnable;
 
 tasks! {
     Particles make_flow MakeFlow { requires old { mass: Mass } computes { flow: MassFlow } }

@@ -1,7 +1,7 @@
 //! The same bits for any number of patches and threads, and other bits for any other input.
 mod common;
 
-use common::{Overrides, Random, finish, instruction_sets, problem, scene};
+use common::{Overrides, Random, finish, instruction_sets, problem, scene, soft_shot};
 use sinew::input::scene::Scene;
 use sinew::simd::Isa;
 use sinew::simulation::{Report, RunError, Simulation};
@@ -30,16 +30,8 @@ fn same(scene: &Scene, layouts: &[Layout], isa: Isa) -> Report {
     report
 }
 
-/// The quick slab with a ball of soft lead, so that 60 steps shoot it through the slab.
 fn shot(overrides: Overrides<'_>) -> Scene {
-    let soft = [
-        ("material.lead.bulk-modulus", "46 MPa"),
-        ("material.lead.shear-modulus", "5.6 MPa"),
-        ("material.lead.yield-stress", "0.2 MPa"),
-        ("body.bullet.shape.sphere.center.1", "4.6 mm"),
-        ("run.steps", "60"),
-    ];
-    problem("slab-quick", &[&soft, overrides].concat())
+    soft_shot("60", overrides)
 }
 
 #[test]

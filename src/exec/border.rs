@@ -97,7 +97,7 @@ impl<'a> Border<'a> {
         if self.outstanding.is_empty() {
             return Ok(());
         }
-        let began = work.trace.now();
+        let began = work.watch.trace.now();
         for (channel, rank) in std::mem::take(&mut self.outstanding) {
             let message = match wait {
                 true => Some(self.network.receive(rank, channel)?),
@@ -117,7 +117,7 @@ impl<'a> Border<'a> {
             }
             self.network.give_back(message);
         }
-        work.trace.record(0, began, Event::halo(self.phases.0 + self.next));
+        work.watch.trace.record(0, began, Event::halo(self.phases.0 + self.next));
         Ok(())
     }
 
@@ -126,13 +126,13 @@ impl<'a> Border<'a> {
         let mut channels: Vec<Channel> = phase.sends.iter().map(|&label| channel(label)).collect();
         channels.dedup();
         for channel in channels {
-            let (schedule, began) = (work.context.schedule, work.trace.now());
+            let (schedule, began) = (work.context.schedule, work.watch.trace.now());
             let [messages, lines] = match channel {
                 Channel::Motion => self.ghosts.show(self.network, schedule, data.particles, data.nodes),
                 _ => self.ghosts.give(self.network, schedule, data.particles, work.executor),
             };
             let event = Event::halo(self.phases.0 + self.next).sent(messages, lines * size_of::<Wide>());
-            work.trace.record(0, began, event);
+            work.watch.trace.record(0, began, event);
         }
     }
 }

@@ -14,7 +14,7 @@ use super::scratch::Scratch;
 use super::stage::{self, Context};
 use super::trace::{Event, Recorder};
 use super::wave;
-use super::work::{Blocks, Memory, Which, Work, lock};
+use super::work::{Blocks, Memory, Watch, Which, Work, lock};
 use crate::data::label::Reduce;
 use crate::data::labels::LabelId;
 use crate::data::schedule::Schedule;
@@ -23,7 +23,7 @@ use crate::graph::build::TaskGraph;
 use crate::graph::fuse::{Phase, Stage};
 use crate::graph::task::Domain;
 use crate::grid::Partition;
-use crate::simd::{Isa, Wide};
+use crate::simd::Isa;
 use std::ops::Range;
 use std::sync::Mutex;
 
@@ -178,7 +178,7 @@ impl<E: Executor> Engine<E> {
         Ok(())
     }
 
-    /// Gives patches to the ranks that `partition` wants; returns how many bytes this rank sent.
+    /// Gives patches to the ranks that `partition` wants.
     ///
     /// # Errors
     /// If a rank is gone.
@@ -187,10 +187,10 @@ impl<E: Executor> Engine<E> {
         partition: Partition,
         warehouse: &mut Warehouse,
         network: &mut dyn Network,
-    ) -> Result<usize, NetworkError> {
-        let lines = migrate::migrate(network, warehouse, partition)?;
+    ) -> Result<(), NetworkError> {
+        migrate::migrate(network, warehouse, partition)?;
         self.beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
-        Ok(lines * size_of::<Wide>())
+        Ok(())
     }
 
     /// Brings the parts of all ranks of some labels together, before a phase or at the end.
@@ -260,7 +260,8 @@ impl<E: Executor> Engine<E> {
         let blocks = level.blocks();
         let whole = blocks.lower[0]..blocks.upper[0];
         let slabs = if wave::busy(schedule, particles) { &slabs[..] } else { std::slice::from_ref(&whole) };
-        let mut work = Work { executor, context, scratch, memory, metered, weighing, trace };
+        let watch = Watch { weighing, trace };
+        let mut work = Work { executor, context, scratch, memory, metered, watch };
         let mut data = Blocks { first_layer: whole.start, decomposition, partition, particles, nodes };
         if network.size() == 1 {
             executor.enter(|| {

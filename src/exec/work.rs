@@ -9,7 +9,7 @@ use crate::data::schedule::Schedule;
 use crate::data::warehouse::{NodePatch, ParticlePatch};
 use crate::graph::fuse::{Phase, Stage, When};
 use crate::graph::task::Domain;
-use crate::grid::{Decomposition, Partition};
+use crate::grid::{Decomposition, Partition, Patch};
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -26,10 +26,33 @@ pub struct Work<'a, E> {
     pub memory: &'a mut Memory,
     /// Whether work is metered.
     pub metered: bool,
+    /// What looks at the work.
+    pub watch: Watch<'a>,
+}
+
+/// Looks at work on blocks: for traces, and for the balance of ranks.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
     /// Whether blocks remember what work on them takes.
     pub weighing: bool,
     /// What is done when.
     pub trace: &'a Recorder,
+}
+
+impl Watch<'_> {
+    /// A worker begins with a block. Reads no clock that nobody asked for.
+    fn begin(&self) -> (u64, Option<Instant>) {
+        (self.trace.now(), self.weighing.then(Instant::now))
+    }
+
+    /// It has done so; what it took, if that is weighed [ns].
+    fn end(&self, (traced, began): (u64, Option<Instant>), worker: usize, stage: &Stage, slab: usize) -> u64 {
+        let took = began.map_or(0, |began| began.elapsed().as_nanos() as u64);
+        if self.trace.is_on() {
+            self.trace.record_on(worker, traced, Event::stage(stage).on_slab(slab));
+        }
+        took
+    }
 }
 
 /// Which blocks of a phase.
@@ -69,49 +92,36 @@ impl<E: Executor> Work<'_, E> {
     }
 
     fn over_nodes(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
-        let Self { executor, context, scratch, memory, metered, weighing, trace } = self;
+        let Self { executor, context, scratch, memory, metered, watch } = self;
         let Some(stage) = phase.stages.first() else { return };
         let (awake, next) = (context.schedule.awake(), context.schedule.next());
         let mut items = recycle(std::mem::take(&mut memory.nodes));
-        let (layers, began) = (which.layers(), trace.now());
+        let (layers, began) = (which.layers(), watch.trace.now());
         let slab = (layers.start - data.first_layer) as usize;
-        for (nodes, patch) in data
-            .nodes
-            .iter_mut()
-            .zip(&data.decomposition.patches)
-            .filter(|(_, p)| data.partition.is_mine(p.id))
-        {
+        for (nodes, patch) in mine(data.nodes, data.decomposition, data.partition) {
             let blocks = nodes.slab_mut(patch.blocks.lower[0], &layers);
             let awake = blocks.filter(|(present, _)| present & awake != 0).map(|(_, block)| block);
             items.extend(awake.filter(|block| which.has(|| block.rim)));
         }
         let update = if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
         executor.each(&mut items, |worker, block| {
-            let (traced, began) = (trace.now(), weighing.then(Instant::now));
+            let moment = watch.begin();
             let ran = update(context, stage, data.particles, &mut lock(&scratch[worker]), block);
-            block.cost += began.map_or(0, |began| began.elapsed().as_nanos() as u64);
-            if trace.is_on() {
-                trace.record_on(worker, traced, Event::stage(stage).on_slab(slab));
-            }
+            block.cost += watch.end(moment, worker, stage, slab);
             if ran && phase.settles {
                 block.until.fill(next);
             }
         });
-        trace.record_idle(began, Event::idle(stage));
+        watch.trace.record_idle(began, Event::idle(stage));
         memory.nodes = recycle(items);
     }
 
     fn over_particles(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
-        let Self { executor, context, scratch, memory, metered, weighing, trace } = self;
+        let Self { executor, context, scratch, memory, metered, watch } = self;
         let mut items = recycle(std::mem::take(&mut memory.particles));
-        let (layers, began) = (which.layers(), trace.now());
+        let (layers, began) = (which.layers(), watch.trace.now());
         let slab = (layers.start - data.first_layer) as usize;
-        for (homes, patch) in data
-            .particles
-            .iter_mut()
-            .zip(&data.decomposition.patches)
-            .filter(|(_, p)| data.partition.is_mine(p.id))
-        {
+        for (homes, patch) in mine(data.particles, data.decomposition, data.partition) {
             for (material, home) in homes.iter_mut().enumerate() {
                 if let Some(stage) = phase.stages.iter().find(|s| acts(s, context.schedule, material)) {
                     let blocks = home.slab_mut(patch.blocks.lower[0], &layers).iter_mut();
@@ -121,16 +131,22 @@ impl<E: Executor> Work<'_, E> {
         }
         let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
         executor.each(&mut items, |worker, (stage, block)| {
-            let (traced, began) = (trace.now(), weighing.then(Instant::now));
+            let moment = watch.begin();
             sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
-            block.cost += began.map_or(0, |began| began.elapsed().as_nanos() as u64);
-            if trace.is_on() {
-                trace.record_on(worker, traced, Event::stage(stage).on_slab(slab));
-            }
+            block.cost += watch.end(moment, worker, stage, slab);
         });
-        trace.record_idle(began, phase.stages.first().map_or(Event::other(Kind::Idle), Event::idle));
+        watch.trace.record_idle(began, phase.stages.first().map_or(Event::other(Kind::Idle), Event::idle));
         memory.particles = recycle(items);
     }
+}
+
+/// What each patch of this rank has of something that all patches have.
+fn mine<'a, T>(
+    of_patches: &'a mut [T],
+    decomposition: &'a Decomposition,
+    partition: &'a Partition,
+) -> impl Iterator<Item = (&'a mut T, &'a Patch)> {
+    of_patches.iter_mut().zip(&decomposition.patches).filter(|(_, patch)| partition.is_mine(patch.id))
 }
 
 /// The blocks that a wave works on.

@@ -24,12 +24,7 @@ impl TaskGraph {
         });
         let lines: Vec<String> = accesses
             .map(|(node, access)| {
-                let ghost = if access.ghost > 0 {
-                    format!(" with {} ghost layers", access.ghost)
-                } else {
-                    String::new()
-                };
-                format!("  {:?} by {}{ghost}", access.mode, node.name)
+                format!("  {:?} by {}{}", access.mode, node.name, with_ghosts(access.ghost))
             })
             .collect();
         if lines.is_empty() {
@@ -64,7 +59,7 @@ impl TaskGraph {
     fn edges_between(&self, from: NodeIndex, to: NodeIndex) -> Vec<String> {
         let edges = self.graph.edges_connecting(from, to).map(|edge| {
             let it = edge.weight();
-            let ghost = if it.ghost > 0 { format!(" with {} ghost layers", it.ghost) } else { String::new() };
+            let ghost = with_ghosts(it.ghost);
             let material = &self.recipe.materials[it.material];
             let (from, to, label) = (&self.graph[from].name, &self.graph[to].name, it.label.name());
             format!("{from} -> {to}: {}, {label} of {material}{ghost}", kind_of(it.why))
@@ -73,4 +68,9 @@ impl TaskGraph {
         lines.sort();
         lines
     }
+}
+
+/// The ghost layers of an access in words, if it has any.
+fn with_ghosts(layers: u8) -> String {
+    if layers > 0 { format!(" with {layers} ghost layers") } else { String::new() }
 }

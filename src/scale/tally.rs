@@ -3,55 +3,10 @@
 //! The first worker of a rank works on everything that is not tasks: its time line is that of the rank. What lies
 //! between its events is the engine: lists of blocks, handing out work, checks.
 use crate::exec::trace::Kind;
-use crate::output::error::{Error, Result, io};
-use serde::Deserialize;
+use crate::output::error::{Error, Result};
+use crate::output::trace::{Line, Trace};
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Trace {
-    trace_events: Vec<Line>,
-    #[serde(default)]
-    other_data: OtherData,
-}
-
-#[derive(Default, Deserialize)]
-struct OtherData {
-    #[serde(default)]
-    lost_events: u64,
-}
-
-#[derive(Deserialize)]
-struct Line {
-    ph: String,
-    #[serde(default)]
-    cat: String,
-    #[serde(default)]
-    ts: f64,
-    #[serde(default)]
-    dur: f64,
-    #[serde(default)]
-    pid: usize,
-    #[serde(default)]
-    tid: usize,
-    #[serde(default)]
-    args: Arguments,
-}
-
-#[derive(Default, Deserialize)]
-struct Arguments {
-    #[serde(default)]
-    tasks: Vec<String>,
-    material: Option<String>,
-    step: Option<u64>,
-    #[serde(default)]
-    messages: u64,
-    #[serde(default)]
-    bytes: u64,
-}
 
 /// The time of a rank, over the steps that count.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -105,25 +60,23 @@ pub struct Tally {
 /// # Errors
 /// A file that cannot be read, is no trace, or holds no step that counts.
 pub fn read(path: &Path, first: u64) -> Result<Tally> {
-    let file = File::open(path).map_err(io("open", path))?;
     let problem = |problem: String| Error::Content { path: path.into(), problem };
-    let trace: Trace = serde_json::from_reader(BufReader::new(file))
-        .map_err(|error| problem(format!("not a trace that sinew run --trace wrote: {error}")))?;
-    let events = || trace.trace_events.iter().filter(|line| line.ph == "X");
-    let last = events().filter_map(|line| line.args.step).max().unwrap_or(0);
+    let trace = Trace::load(path)?;
+    let events = || trace.lines.iter().filter(|line| line.is_event());
+    let last = events().filter_map(|line| line.about.step).max().unwrap_or(0);
     if last <= first {
         return Err(problem(format!("the trace ends with step {last}: no step after {first} is whole")));
     }
-    let mut tally = Tally { steps: last - first, lost: trace.other_data.lost_events, ..Tally::default() };
-    let ranks = trace.trace_events.iter().map(|line| line.pid + 1).max().unwrap_or(1);
+    let mut tally = Tally { steps: last - first, lost: trace.lost(), ..Tally::default() };
+    let ranks = trace.lines.iter().map(|line| line.rank + 1).max().unwrap_or(1);
     tally.ranks.resize(ranks, Rank::default());
     let mut bounds = vec![[f64::INFINITY; 2]; ranks];
-    for line in trace.trace_events.iter() {
-        tally.ranks[line.pid].workers = tally.ranks[line.pid].workers.max(line.tid + 1);
-        let Some(step) = line.args.step.filter(|_| line.ph == "X") else { continue };
+    for line in trace.lines.iter() {
+        tally.ranks[line.rank].workers = tally.ranks[line.rank].workers.max(line.worker + 1);
+        let Some(step) = line.about.step.filter(|_| line.is_event()) else { continue };
         // a rank is at a step as soon as one of its workers is
-        for (bound, _) in bounds[line.pid].iter_mut().zip([first, last]).filter(|(_, edge)| step == *edge) {
-            *bound = bound.min(1e3 * line.ts);
+        for (bound, _) in bounds[line.rank].iter_mut().zip([first, last]).filter(|(_, edge)| step == *edge) {
+            *bound = bound.min(line.start());
         }
         if (first..last).contains(&step) {
             add(&mut tally, line);
@@ -136,13 +89,13 @@ pub fn read(path: &Path, first: u64) -> Result<Tally> {
 }
 
 fn add(tally: &mut Tally, line: &Line) {
-    let (rank, ns, args) = (&mut tally.ranks[line.pid], 1e3 * line.dur, &line.args);
+    let (rank, ns, args) = (&mut tally.ranks[line.rank], line.duration(), &line.about);
     rank.messages += args.messages;
     rank.bytes += args.bytes;
-    match Kind::ALL.into_iter().find(|kind| kind.name() == line.cat) {
+    match line.kind() {
         Some(Kind::Task) => {
             rank.tasks[1] += ns;
-            rank.tasks[0] += if line.tid == 0 { ns } else { 0.0 };
+            rank.tasks[0] += if line.worker == 0 { ns } else { 0.0 };
             *tally.stages.entry((args.tasks.clone(), args.material.clone())).or_default() += ns;
         }
         Some(Kind::HaloWait) if args.bytes > 0 => {
@@ -152,7 +105,7 @@ fn add(tally: &mut Tally, line: &Line) {
         Some(Kind::HaloWait) => rank.halo += ns,
         Some(Kind::ReduceWait) => rank.reduce += ns,
         Some(Kind::Relocate) => rank.relocate += ns,
-        Some(Kind::Idle) if line.tid == 0 => rank.idle += ns,
+        Some(Kind::Idle) if line.worker == 0 => rank.idle += ns,
         _ => {}
     }
 }

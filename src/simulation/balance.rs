@@ -73,8 +73,7 @@ impl Simulation {
         self.balance.moves += 1;
         self.balance.patches += moves.len() as u64;
         let Self { engine, warehouse, network, .. } = self;
-        engine.migrate(new, warehouse, &mut **network)?;
-        Ok(())
+        Ok(engine.migrate(new, warehouse, &mut **network)?)
     }
 
     /// What each patch cost since it was weighed last [ns], and its bytes; the same on all ranks.

@@ -1,24 +1,19 @@
 //! A run's state into a checkpoint, and out of it.
 use super::fault::RunError;
-use super::{
-    Balance, Ledger, Simulation, Workers, available_threads, layout, ledger, parcel, populate, step_graph,
-    together,
-};
+use super::{Ledger, Simulation, layout, parcel, together};
 use crate::data::extent;
 use crate::data::label::Home;
 use crate::data::labels::LabelId;
 use crate::data::particles::{Layout, ParticleBlock};
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
-use crate::exec::Engine;
-use crate::exec::ranks::Network;
-use crate::graph::build::TaskGraph;
-use crate::grid::{Level, Partition};
-use crate::input::scene::{Rates, Scene};
+use crate::exec::ranks::words::{put, take};
+use crate::exec::ranks::{Network, collective};
+use crate::grid::Level;
+use crate::input::scene::Scene;
 use crate::output;
 use crate::output::checkpoint::{self, BlockRow, Head, Material, Part, Reader, Recorded, VERSION, Writer};
 use crate::simd::{Isa, LANES, Wide};
-use crate::tasks::timestep;
 use std::ops::Range;
 use std::path::Path;
 
@@ -40,7 +35,7 @@ impl Simulation {
             let (count, particles) = blocks.fold((0, 0), |(n, p), block| (n + 1, p + block.count as u64));
             mine.extend([count, particles]);
         }
-        let all = together::all(self.network(), &mine)?;
+        let all = collective::share(self.network(), &mine)?;
         let total = |i: usize| all.iter().map(|numbers| numbers[i]).sum::<u64>();
         let mut head = self.head(recorded, total(0));
         for (i, material) in head.materials.iter_mut().enumerate() {
@@ -89,29 +84,21 @@ impl Simulation {
         isa: Isa,
         from: &Reader,
     ) -> Result<Self, RunError> {
-        let threads = scene.run.threads.unwrap_or_else(available_threads);
         let tables =
             (0..from.head.materials.len()).map(|m| from.blocks(m)).collect::<output::Result<Vec<_>>>()?;
         let census: Vec<_> = tables.iter().flatten().map(|b| (b.index, u64::from(b.count))).collect();
-        let (decomposition, loads) =
-            layout::cut(&scene, 8 * threads * network.size(), &census).map_err(RunError::Patches)?;
-        let partition = Partition::by_cost(&decomposition, &loads, network.rank(), network.size())
-            .map_err(RunError::Patches)?;
-        let patches = decomposition.patches.len();
-        let graph = step_graph(&scene, patches)?;
-        let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
-        let mut warehouse = populate::empty(&scene, decomposition, partition, &graph);
-        warehouse.own_rates = scene.run.rates != Rates::Common;
-        fill(&mut warehouse, from, &tables)?;
-        restore_shared(&mut warehouse, from, scene.run.until)?;
-        let ledger = Ledger::from_numbers(&from.head.ledger, scene.materials.len())
+        let cut = |scene: &Scene, wanted| layout::cut(scene, wanted, &census);
+        let fill = |scene: &Scene, warehouse: &mut Warehouse| {
+            fill(warehouse, from, &tables)?;
+            Ok(restore_shared(warehouse, from, scene.run.until)?)
+        };
+        let mut simulation = Self::assemble(network, scene, isa, cut, fill)?;
+        simulation.ledger = Ledger::from_numbers(&from.head.ledger, simulation.scene.materials.len())
             .ok_or_else(|| from.wrong("its ledger is not one of this scene".into()))?;
-        let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
-        let steps = from.head.steps;
+        simulation.steps = from.head.steps;
         // counted by rank, added up for people
-        let updates = if network.rank() == 0 { from.head.updates } else { 0 };
-        let balance = Balance::default();
-        Ok(Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps, updates, balance })
+        simulation.updates = if simulation.network.rank() == 0 { from.head.updates } else { 0 };
+        Ok(simulation)
     }
 }
 
@@ -178,23 +165,22 @@ fn parts(warehouse: &Warehouse, give: &mut dyn FnMut(Part)) {
 impl parcel::Parcel for Part {
     fn words(&self) -> Vec<u64> {
         let mut words = vec![self.material as u64];
-        parcel::put(&mut words, &self.blocks.iter().map(|block| block.index).collect::<Vec<_>>());
-        parcel::put(&mut words, &self.blocks.iter().map(|block| block.count).collect::<Vec<_>>());
-        parcel::put(&mut words, &self.blocks.iter().map(|block| block.extent).collect::<Vec<_>>());
-        self.columns.iter().for_each(|column| parcel::put(&mut words, column));
+        put(&mut words, &self.blocks.iter().map(|block| block.index).collect::<Vec<_>>());
+        put(&mut words, &self.blocks.iter().map(|block| block.count).collect::<Vec<_>>());
+        put(&mut words, &self.blocks.iter().map(|block| block.extent).collect::<Vec<_>>());
+        self.columns.iter().for_each(|column| put(&mut words, column));
         words
     }
 
     fn from_words(words: &[u64]) -> Self {
         let Some((&material, mut words)) = words.split_first() else { return Part::default() };
         let words = &mut words;
-        let (indices, counts, extents): (Vec<_>, Vec<_>, Vec<_>) =
-            (parcel::take(words), parcel::take(words), parcel::take(words));
+        let (indices, counts, extents): (Vec<_>, Vec<_>, Vec<_>) = (take(words), take(words), take(words));
         let blocks = indices.into_iter().zip(counts).zip(extents);
         let blocks = blocks.map(|((index, count), extent)| BlockRow { index, count, extent }).collect();
         let mut columns = Vec::new();
         while !words.is_empty() {
-            columns.push(parcel::take(words));
+            columns.push(take(words));
         }
         Part { material: material as usize, blocks, columns }
     }

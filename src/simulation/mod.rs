@@ -7,7 +7,7 @@ pub mod layout;
 pub mod ledger;
 mod meter;
 mod parcel;
-mod populate;
+pub mod populate;
 pub mod rates;
 pub mod recorder;
 mod snapshot;
@@ -22,12 +22,13 @@ use crate::data::labels::LabelId;
 use crate::data::shared::Clock;
 use crate::data::warehouse::Warehouse;
 use crate::exec::meter::What;
+pub use crate::exec::ranks::launch::available_threads;
 use crate::exec::ranks::{Alone, Network, NetworkError, collective};
 use crate::exec::relocate::Relocation;
 use crate::exec::{Engine, Executor, Serial, Threads};
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
-use crate::grid::Partition;
+use crate::grid::{Decomposition, Partition};
 use crate::input::scene::{Behavior, Leaving, Rates, Scene};
 use crate::output;
 use crate::simd::Isa;
@@ -124,30 +125,41 @@ impl Simulation {
     /// # Errors
     /// Patches that do not fit, or threads that do not start.
     pub fn on(network: Box<dyn Network>, scene: Scene, isa: Isa) -> Result<Self, RunError> {
-        let threads = scene.run.threads.unwrap_or_else(available_threads);
-        let (decomposition, loads) =
-            layout::decompose(&scene, 8 * threads * network.size()).map_err(RunError::Patches)?;
-        let patches = decomposition.patches.len();
-        let partition = Partition::by_cost(&decomposition, &loads, network.rank(), network.size())
-            .map_err(RunError::Patches)?;
-        let graph = step_graph(&scene, patches)?;
-        let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
+        let mut simulation = Self::assemble(network, scene, isa, layout::decompose, populate::populate)?;
         // what the first step reads, too
-        let wanted: Vec<LabelId> = WANTED.iter().chain(&graph.carried).copied().collect();
-        let start = TaskGraph::build(timestep::start(&scene), &wanted, patches)?;
-
-        let mut warehouse = populate::populate(&scene, decomposition, partition, &graph)?;
-        warehouse.own_rates = scene.run.rates != Rates::Common;
-        let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
-        let ledger = Ledger::default();
-        let (steps, updates, balance) = (0, 0, Balance::default());
-        let mut simulation =
-            Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps, updates, balance };
+        let wanted: Vec<LabelId> = WANTED.iter().chain(&simulation.graph.carried).copied().collect();
+        let patches = simulation.warehouse.decomposition.patches.len();
+        let start = TaskGraph::build(timestep::start(&simulation.scene), &wanted, patches)?;
         simulation.begin(&start)?;
         simulation.updates = 0;
         let report = simulation.report()?;
         simulation.ledger.begin(&report);
         Ok(simulation)
+    }
+
+    /// Patches, graphs and workers for `scene`: `cut` makes about as many patches as it is told and says what each costs,
+    /// `fill` puts the particles of this rank into them.
+    fn assemble(
+        network: Box<dyn Network>,
+        scene: Scene,
+        isa: Isa,
+        cut: impl FnOnce(&Scene, usize) -> Result<(Decomposition, Vec<u64>), String>,
+        fill: impl FnOnce(&Scene, &mut Warehouse) -> Result<(), RunError>,
+    ) -> Result<Self, RunError> {
+        let threads = scene.run.threads.unwrap_or_else(available_threads);
+        let (decomposition, loads) = cut(&scene, 8 * threads * network.size()).map_err(RunError::Patches)?;
+        let partition = Partition::by_cost(&decomposition, &loads, network.rank(), network.size())
+            .map_err(RunError::Patches)?;
+        let patches = decomposition.patches.len();
+        let graph = step_graph(&scene, patches)?;
+        let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
+        let labels = |material| populate::layout_of(&scene, &graph, material);
+        let mut warehouse = populate::empty(&scene, decomposition, partition, labels);
+        fill(&scene, &mut warehouse)?;
+        let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
+        let (ledger, balance) = (Ledger::default(), Balance::default());
+        let (steps, updates) = (0, 0);
+        Ok(Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps, updates, balance })
     }
 
     /// The state before the first step.
@@ -212,8 +224,7 @@ impl Simulation {
     pub fn set_ranks(&mut self, of: Vec<u32>) -> Result<(), RunError> {
         let Self { engine, warehouse, network, .. } = self;
         let partition = Partition::new(of, network.rank(), network.size());
-        engine.migrate(partition, warehouse, &mut **network)?;
-        Ok(())
+        Ok(engine.migrate(partition, warehouse, &mut **network)?)
     }
 
     /// Whether the end of the run is reached.
@@ -328,11 +339,6 @@ impl Simulation {
     fn check_faults(&self) -> Result<(), RunError> {
         fault::find(&self.scene, &self.warehouse, self.clock().time, self.steps).map_or(Ok(()), Err)
     }
-}
-
-/// Cores that this process may use.
-pub fn available_threads() -> usize {
-    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
 /// The law's number of history called `failure`, if the material has a law that fails.

@@ -1,7 +1,7 @@
 //! Arrays in messages to the rank that writes.
+use crate::exec::ranks::words::{put, take};
 use crate::exec::ranks::{Channel, Network, NetworkError, pack, unpack};
 use crate::output::frame::Piece;
-use bytemuck::{NoUninit, Pod};
 
 /// Something that travels to rank 0.
 pub trait Parcel: Sized {
@@ -9,27 +9,6 @@ pub trait Parcel: Sized {
     fn words(&self) -> Vec<u64>;
     /// From its words.
     fn from_words(words: &[u64]) -> Self;
-}
-
-/// Adds an array to the words of a parcel.
-pub fn put<T: NoUninit>(words: &mut Vec<u64>, values: &[T]) {
-    let bytes: &[u8] = bytemuck::cast_slice(values);
-    words.push(bytes.len() as u64);
-    let begin = words.len();
-    words.resize(begin + bytes.len().div_ceil(8), 0);
-    bytemuck::cast_slice_mut::<u64, u8>(&mut words[begin..])[..bytes.len()].copy_from_slice(bytes);
-}
-
-/// Takes the next array from the words of a parcel.
-pub fn take<T: Pod>(words: &mut &[u64]) -> Vec<T> {
-    let Some((&length, rest)) = words.split_first() else { return Vec::new() };
-    let (array, after) = rest.split_at((length as usize).div_ceil(8).min(rest.len()));
-    *words = after;
-    let bytes: &[u8] = bytemuck::cast_slice(array);
-    let mut values = vec![T::zeroed(); bytes.len().min(length as usize) / size_of::<T>()];
-    let into: &mut [u8] = bytemuck::cast_slice_mut(&mut values);
-    into.copy_from_slice(&bytes[..into.len()]);
-    values
 }
 
 /// Brings the parcels of all ranks to rank 0, where `take` gets them one by one: its own first, then those of rank 1, 2, ….

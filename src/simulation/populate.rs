@@ -1,6 +1,5 @@
 //! From bodies to particles.
 use super::fault::RunError;
-use super::layout;
 use crate::data::labels::LabelId;
 use crate::data::particles::Layout;
 use crate::data::shared::{Clock, RigidState};
@@ -8,23 +7,17 @@ use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::graph::build::TaskGraph;
 use crate::grid::{Decomposition, Partition};
 use crate::input::lattice;
-use crate::input::scene::{Behavior, Body, RigidMotion, Scene};
+use crate::input::scene::{Behavior, Body, Rates, RigidMotion, Scene};
 use crate::physics::law::{Law, Variable};
 use crate::physics::materials::WithLaw;
 use crate::tasks::timestep;
 use nalgebra::{Matrix3, Vector3};
 
-/// A warehouse with the particles of `scene` in the patches of this rank, with the labels that `graph` uses.
+/// Puts the particles of `scene` into the patches of this rank.
 ///
 /// # Errors
 /// Bodies that do not fit the level, or differ in resolution within a material.
-pub fn populate(
-    scene: &Scene,
-    decomposition: Decomposition,
-    partition: Partition,
-    graph: &TaskGraph,
-) -> Result<Warehouse, RunError> {
-    let mut warehouse = empty(scene, decomposition, partition, graph);
+pub fn populate(scene: &Scene, warehouse: &mut Warehouse) -> Result<(), RunError> {
     let mut identity = 0;
     for body in &scene.bodies {
         let first = scene.bodies.iter().find(|b| b.material == body.material);
@@ -32,23 +25,40 @@ pub fn populate(
             let material = scene.materials[body.material].name.clone();
             return Err(RunError::Resolution { material });
         }
-        add_body(scene, body, &mut warehouse, &mut identity)?;
+        add_body(scene, body, warehouse, &mut identity)?;
     }
     let clock = Clock { until: scene.run.until, ..bytemuck::Zeroable::zeroed() };
     warehouse.shared.set(LabelId::Time, 0, clock);
-    (0..scene.materials.len()).for_each(|m| start_rigid(scene, &mut warehouse, m));
-    Ok(warehouse)
+    (0..scene.materials.len()).for_each(|m| start_rigid(scene, warehouse, m));
+    Ok(())
 }
 
-/// The same without particles.
+/// A warehouse for `scene` without particles; `layout` says which labels a material has.
 pub fn empty(
     scene: &Scene,
     decomposition: Decomposition,
     partition: Partition,
-    graph: &TaskGraph,
+    layout: impl Fn(usize) -> Layout,
 ) -> Warehouse {
-    let materials = (0..scene.materials.len()).map(|m| material_data(scene, graph, m)).collect();
-    Warehouse::new(layout::level(scene), decomposition, partition, materials)
+    let touches = |a: usize, b: usize| scene.contacts.iter().any(|c| c.between == [a.min(b), a.max(b)]);
+    let all = 0..scene.materials.len();
+    let materials = all.clone().map(|material| MaterialData {
+        name: scene.materials[material].name.clone(),
+        layout: layout(material),
+        half_size: timestep::half_size(scene, material),
+        contacts: all.clone().map(|other| touches(material, other)).collect(),
+    });
+    let mut warehouse =
+        Warehouse::new(super::layout::level(scene), decomposition, partition, materials.collect());
+    warehouse.own_rates = scene.run.rates != Rates::Common;
+    warehouse
+}
+
+/// The labels that the tasks of `graph` need of a material's particles, and those that every run needs.
+pub fn layout_of(scene: &Scene, graph: &TaskGraph, material: usize) -> Layout {
+    let always = [LabelId::Identity, LabelId::Position, LabelId::Velocity, LabelId::Mass];
+    let labels = graph.particle_labels(material).into_iter().chain(always);
+    Layout::new(labels, initial_history(&scene.materials[material].behavior, [1.0, 0.0, 0.0]))
 }
 
 /// The history that a material's law keeps.
@@ -81,22 +91,6 @@ fn initial_history(behavior: &Behavior, fiber: [f64; 3]) -> Vec<f64> {
     match behavior {
         Behavior::Deformable(law) => law.visit(Initial(fiber)),
         Behavior::Rigid(_) => Vec::new(),
-    }
-}
-
-fn material_data(scene: &Scene, graph: &TaskGraph, material: usize) -> MaterialData {
-    let always = [LabelId::Identity, LabelId::Position, LabelId::Velocity, LabelId::Mass];
-    let labels = graph.particle_labels(material).into_iter().chain(always);
-    let inert = initial_history(&scene.materials[material].behavior, [1.0, 0.0, 0.0]);
-    let touches = |other: usize| {
-        let pair = [material.min(other), material.max(other)];
-        scene.contacts.iter().any(|c| c.between == pair)
-    };
-    MaterialData {
-        name: scene.materials[material].name.clone(),
-        layout: Layout::new(labels, inert),
-        half_size: timestep::half_size(scene, material),
-        contacts: (0..scene.materials.len()).map(touches).collect(),
     }
 }
 

@@ -8,6 +8,8 @@ use sinew::simd::Isa;
 use sinew::simulation::{Report, RunError, Simulation};
 use std::path::Path;
 
+pub mod command;
+
 pub type Overrides<'a> = &'a [(&'a str, &'a str)];
 
 fn owned(overrides: Overrides<'_>) -> Vec<(String, String)> {
@@ -26,6 +28,19 @@ pub fn scene(text: &str, overrides: Overrides<'_>) -> Scene {
 pub fn problem(name: &str, overrides: Overrides<'_>) -> Scene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems").join(name);
     read(&folder, &owned(overrides)).unwrap_or_else(|e| panic!("{:?}", miette::Report::new(e)))
+}
+
+/// The quick slab with a ball of soft lead, so that some 40 steps shoot it through the slab.
+#[track_caller]
+pub fn soft_shot(steps: &str, overrides: Overrides<'_>) -> Scene {
+    let soft = [
+        ("material.lead.bulk-modulus", "46 MPa"),
+        ("material.lead.shear-modulus", "5.6 MPa"),
+        ("material.lead.yield-stress", "0.2 MPa"),
+        ("body.bullet.shape.sphere.center.1", "4.6 mm"),
+        ("run.steps", steps),
+    ];
+    problem("slab-quick", &[&soft, overrides].concat())
 }
 
 pub fn instruction_sets() -> Vec<Isa> {
@@ -118,3 +133,22 @@ impl Random {
         std::array::from_fn(|_| self.sign())
     }
 }
+
+/// Tasks that declare and do nothing.
+#[allow(unused_macros)]
+macro_rules! tasks {
+    ($($domain:ident $module:ident $name:ident { $($declaration:tt)* })*) => {$(
+        #[allow(dead_code)]
+        mod $module {
+            use super::*;
+            pub struct $name;
+            sinew::task! { $domain task $name { $($declaration)* } }
+            impl sinew::graph::task::Body for $name {
+                fn run<S: sinew::simd::Simd>(&self, _at: &sinew::graph::task::At<'_>, _io: Io<'_>) {}
+            }
+        }
+        use $module::$name;
+    )*};
+}
+#[allow(unused_imports)]
+pub(crate) use tasks;

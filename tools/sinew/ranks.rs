@@ -1,7 +1,7 @@
 //! A command as one of several ranks.
 use super::fail::Failure;
 use sinew::exec::ranks::launch::{self, Launch};
-use sinew::exec::ranks::{Network, NetworkError, collective, pack, unpack};
+use sinew::exec::ranks::{Network, NetworkError, collective};
 use sinew::input::scene::Scene;
 
 /// The ranks that were launched together, and how many of them share this machine.
@@ -27,13 +27,12 @@ pub fn agree<T>(network: &mut dyn Network, mine: Result<T, Failure>) -> Result<T
     if network.size() == 1 {
         return mine;
     }
-    let status = mine.as_ref().err().map_or(0, |failure| u64::from(failure.status()));
-    let all = collective::share(network, &[status]).map_err(lost)?;
-    match all.iter().flatten().enumerate().find(|(_, status)| **status > 0) {
+    let problem = mine.as_ref().err().map(Failure::message);
+    match collective::first_error(network, problem.as_deref()).map_err(lost)? {
         Some((first, _)) if first != network.rank() => Err(Failure::Elsewhere),
         // who fails alone says so; what rank 0 knows, it says at its end
-        Some((first, _)) if first > 0 => mine.map_err(|failure| {
-            eprintln!("on rank {first}: {}", failure.message());
+        Some((first, problem)) if first > 0 => mine.map_err(|failure| {
+            eprintln!("on rank {first}: {problem}");
             Failure::Told(failure.status())
         }),
         _ => mine,
@@ -47,11 +46,5 @@ pub fn from_first(
 ) -> Result<String, Failure> {
     let said = if network.rank() == 0 { say() } else { Ok(String::new()) };
     let said = agree(network, said)?;
-    if network.size() == 1 {
-        return Ok(said);
-    }
-    let mut message = pack(&said.bytes().map(u64::from).collect::<Vec<_>>());
-    collective::broadcast(network, &mut message).map_err(lost)?;
-    let bytes: Vec<u8> = unpack(&message).iter().map(|&byte| byte as u8).collect();
-    Ok(String::from_utf8_lossy(&bytes).into())
+    collective::text_from_first(network, &said).map_err(lost)
 }

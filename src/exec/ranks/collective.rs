@@ -1,5 +1,6 @@
 //! What all ranks do together, made of messages between two. All of them must call it, in the same order.
-use super::{Channel, Network, NetworkError};
+use super::words::{put, take};
+use super::{Channel, Network, NetworkError, pack, unpack};
 use crate::simd::Wide;
 
 /// Merges the messages of all ranks: afterwards each has the result. `merge` must commute and associate exactly, then all
@@ -20,21 +21,21 @@ pub fn reduce(
         *message = network.receive(rank - whole, Channel::Reduction)?;
         return Ok(());
     }
-    let mut take = |network: &mut dyn Network, from, message: &mut Vec<Wide>| {
+    let mut add = |network: &mut dyn Network, from, message: &mut Vec<Wide>| {
         let part = network.receive(from, Channel::Reduction)?;
         merge(message, &part);
         network.give_back(part);
         Ok(())
     };
     if rank < extra {
-        take(network, rank + whole, message)?;
+        add(network, rank + whole, message)?;
     }
     for bit in 0..whole.ilog2() {
         let peer = rank ^ 1 << bit;
         let mut copy = network.memory(message.len());
         copy.extend_from_slice(message);
         network.send(peer, Channel::Reduction, copy);
-        take(network, peer, message)?;
+        add(network, peer, message)?;
     }
     if rank < extra {
         network.send(rank + whole, Channel::Reduction, message.clone());
@@ -50,13 +51,13 @@ pub fn sum(network: &mut dyn Network, words: &mut [u64]) -> Result<(), NetworkEr
     if network.size() == 1 {
         return Ok(());
     }
-    let mut message = super::pack(words);
+    let mut message = pack(words);
     reduce(network, &mut message, |into, from| {
         let into: &mut [u64] = bytemuck::cast_slice_mut(into);
         let pairs = into.iter_mut().zip(bytemuck::cast_slice::<_, u64>(from));
         pairs.skip(1).for_each(|(a, &b)| *a = a.wrapping_add(b));
     })?;
-    words.copy_from_slice(super::unpack(&message));
+    words.copy_from_slice(unpack(&message));
     Ok(())
 }
 
@@ -104,14 +105,14 @@ pub fn gather(
 /// If a rank is gone.
 pub fn share(network: &mut dyn Network, words: &[u64]) -> Result<Vec<Vec<u64>>, NetworkError> {
     let mut all = Vec::new();
-    gather(network, super::pack(words), |_, message| {
-        let words = super::unpack(message);
+    gather(network, pack(words), |_, message| {
+        let words = unpack(message);
         all.push(words.len() as u64);
         all.extend_from_slice(words);
     })?;
-    let mut message = super::pack(&all);
+    let mut message = pack(&all);
     broadcast(network, &mut message)?;
-    let mut rest = super::unpack(&message);
+    let mut rest = unpack(&message);
     let mut lists = Vec::with_capacity(network.size());
     while let Some((&count, after)) = rest.split_first() {
         let (list, others) = after.split_at((count as usize).min(after.len()));
@@ -119,4 +120,37 @@ pub fn share(network: &mut dyn Network, words: &[u64]) -> Result<Vec<Vec<u64>>, 
         rest = others;
     }
     Ok(lists)
+}
+
+/// A text of rank 0, on all ranks.
+///
+/// # Errors
+/// If a rank is gone.
+pub fn text_from_first(network: &mut dyn Network, text: &str) -> Result<String, NetworkError> {
+    let mut words = Vec::new();
+    put(&mut words, text.as_bytes());
+    let mut message = pack(&words);
+    broadcast(network, &mut message)?;
+    Ok(text_of(unpack(&message)))
+}
+
+/// The first rank that failed, and why, if one did; the same on all ranks.
+///
+/// # Errors
+/// If a rank is gone.
+pub fn first_error(
+    network: &mut dyn Network,
+    mine: Option<&str>,
+) -> Result<Option<(usize, String)>, NetworkError> {
+    let mut words = Vec::new();
+    if let Some(text) = mine {
+        put(&mut words, text.as_bytes());
+    }
+    let all = share(network, &words)?;
+    let failed = all.iter().enumerate().find(|(_, words)| !words.is_empty());
+    Ok(failed.map(|(rank, words)| (rank, text_of(words))))
+}
+
+fn text_of(mut words: &[u64]) -> String {
+    String::from_utf8_lossy(&take::<u8>(&mut words)).into_owned()
 }

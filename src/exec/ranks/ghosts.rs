@@ -136,6 +136,9 @@ impl Ghosts {
         let mut takers = takers.iter().filter(|taker| schedule.begins(taker.material)).peekable();
         let mut pieces = Vec::new();
         for (patch, homes) in particles.iter_mut().enumerate() {
+            if takers.peek().is_none_or(|taker| taker.place.0 != patch) {
+                continue;
+            }
             for (material, home) in homes.iter_mut().enumerate() {
                 for (at, block) in home.blocks.iter_mut().enumerate() {
                     let this = |taker: &&Giver| (taker.place, taker.material) == ((patch, at), material);

@@ -55,8 +55,12 @@ impl Launch {
 pub fn cores() -> (Option<usize>, usize) {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let all = info.lines().filter(|line| line.starts_with("processor")).count();
-    let allowed = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    ((all > 0).then_some(all), allowed)
+    ((all > 0).then_some(all), available_threads())
+}
+
+/// Cores that this process may use.
+pub fn available_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
 /// Threads for each of `here` ranks that share this machine, if nobody asks for a number; and what to say about it.

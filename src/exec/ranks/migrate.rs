@@ -5,8 +5,7 @@ use crate::data::warehouse::Warehouse;
 use crate::grid::{BlockIndex, Partition};
 use crate::simd::Wide;
 
-/// Moves patches to where `partition` wants them; returns how many lines this rank sent. All ranks call it, with the same
-/// partition.
+/// Moves patches to where `partition` wants them. All ranks call it, with the same partition.
 ///
 /// # Errors
 /// If a rank is gone, or a patch arrives broken.
@@ -14,15 +13,12 @@ pub fn migrate(
     network: &mut dyn Network,
     warehouse: &mut Warehouse,
     partition: Partition,
-) -> Result<usize, NetworkError> {
+) -> Result<(), NetworkError> {
     let old = warehouse.partition.clone();
     let moves: Vec<usize> =
         (0..warehouse.particles.len()).filter(|&p| old.rank_of(p) != partition.rank_of(p)).collect();
-    let mut sent = 0;
     for &patch in moves.iter().filter(|&&patch| old.is_mine(patch)) {
-        let message = pack(warehouse, patch);
-        sent += message.len();
-        network.send(partition.rank_of(patch), Channel::Patches, message);
+        network.send(partition.rank_of(patch), Channel::Patches, pack(warehouse, patch));
     }
     warehouse.set_partition(partition);
     for &patch in &moves {
@@ -33,7 +29,7 @@ pub fn migrate(
         }
     }
     network.settle();
-    Ok(sent)
+    Ok(())
 }
 
 /// For each material the number of blocks, then the blocks.

@@ -9,8 +9,10 @@ pub mod migrate;
 pub mod mpi;
 pub mod occupied;
 pub mod reduction;
+pub mod words;
 
 pub use error::NetworkError;
+pub use words::{pack, unpack};
 
 use crate::simd::Wide;
 use std::time::Duration;
@@ -123,20 +125,4 @@ impl Network for Alone {
     }
 
     fn settle(&mut self) {}
-}
-
-/// Numbers as a message: their count, then they.
-pub fn pack(words: &[u64]) -> Vec<Wide> {
-    let mut lines = vec![Wide::default(); (words.len() + 1).div_ceil(8)];
-    let all: &mut [u64] = bytemuck::cast_slice_mut(&mut lines);
-    all[0] = words.len() as u64;
-    all[1..=words.len()].copy_from_slice(words);
-    lines
-}
-
-/// The numbers of a message from [`pack`].
-pub fn unpack(lines: &[Wide]) -> &[u64] {
-    let all: &[u64] = bytemuck::cast_slice(lines);
-    let count = all.first().map_or(0, |&n| n as usize);
-    &all[all.len().min(1)..(count + 1).min(all.len())]
 }

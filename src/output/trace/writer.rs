@@ -1,9 +1,9 @@
 //! Writes the events of all ranks, piece by piece, so that no rank ever holds those of all.
-use crate::exec::ranks::{Network, NetworkError, collective, pack, unpack};
+use crate::exec::ranks::{Network, collective, pack, unpack};
 use crate::exec::trace::{Event, Kind, NONE, Recorder, Track};
 use crate::graph::build::TaskGraph;
 use crate::graph::fuse::Stage;
-use crate::output::error::{Error, Result, io};
+use crate::output::error::{Result, io};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::fs::File;
@@ -22,8 +22,7 @@ const HEAD: usize = 2;
 /// A file that cannot be written (on rank 0), or a rank that is gone.
 pub fn write(path: &Path, graph: &TaskGraph, recorder: &Recorder, network: &mut dyn Network) -> Result<()> {
     let pieces = pieces(&recorder.take());
-    let gone = |gone: NetworkError| Error::Content { path: path.into(), problem: gone.to_string() };
-    let counts = collective::share(network, &[pieces.len() as u64]).map_err(gone)?;
+    let counts = collective::share(network, &[pieces.len() as u64])?;
     let rounds = counts.iter().filter_map(|count| count.first()).max().copied().unwrap_or(0);
     let mut writer = None;
     let mut result = Ok(());
@@ -42,7 +41,7 @@ pub fn write(path: &Path, graph: &TaskGraph, recorder: &Recorder, network: &mut 
                 result = writer.piece(rank, unpack(lines));
             }
         };
-        collective::gather(network, message, take).map_err(gone)?;
+        collective::gather(network, message, take)?;
     }
     match writer {
         Some(writer) if result.is_ok() => writer.finish(),

@@ -69,15 +69,9 @@ pub fn last_checkpoint(
         _ => Ok(None),
     };
     let found = together::agree(network, found)?;
-    let mut words = Vec::new();
-    if let Some(found) = &found {
-        parcel::put(&mut words, found.path.as_os_str().as_encoded_bytes());
-    }
-    let words = together::from_first(network, words)?;
-    let path = found.as_ref().map_or_else(
-        || PathBuf::from(String::from_utf8_lossy(&parcel::take::<u8>(&mut &words[..])).into_owned()),
-        |found| found.path.clone(),
-    );
+    let name = found.as_ref().map_or_else(String::new, |found| found.path.to_string_lossy().into_owned());
+    let name = collective::text_from_first(network, &name)?;
+    let path = found.as_ref().map_or_else(|| PathBuf::from(name), |found| found.path.clone());
     let reader = together::agree(network, Reader::open_verified(&path))?;
     let none = checkpoint::Found { path, damaged: Vec::new(), warnings: Vec::new() };
     Ok((reader, found.unwrap_or(none)))
@@ -244,7 +238,7 @@ fn write_frame(mut writer: Option<&mut vtkhdf::Writer>, simulation: &mut Simulat
     let (time, step) = (simulation.clock().time, simulation.steps());
     let mine = simulation.warehouse.particle_count();
     let rank = simulation.network().rank();
-    let counts = together::all(simulation.network(), &[mine as u64])?;
+    let counts = collective::share(simulation.network(), &[mine as u64])?;
     let total = |ranks: &[Vec<u64>]| ranks.iter().map(|count| count[0] as usize).sum();
     let (row, particles) = (total(&counts[..rank]), total(&counts));
     let Simulation { scene, warehouse, network, .. } = simulation;

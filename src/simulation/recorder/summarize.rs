@@ -1,9 +1,10 @@
 //! What `summary.json` says about a run.
 use crate::exec::ranks::Network;
+use crate::exec::ranks::collective;
 use crate::output;
 use crate::output::summary::{self, Energy, Failed, FirstFailure, MaterialSummary, Status, Summary};
+use crate::simulation::Simulation;
 use crate::simulation::ledger::{MaterialReport, Report};
-use crate::simulation::{Simulation, together};
 use std::collections::BTreeMap;
 
 fn failed(reports: &[&MaterialReport]) -> Failed {
@@ -97,7 +98,7 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
 fn over_ranks(simulation: &mut Simulation) -> output::Result<[u64; 4]> {
     let ((particles, nodes), updates) = (simulation.bytes(), simulation.updates());
     let network: &mut dyn Network = simulation.network();
-    let all = together::all(network, &[particles as u64, nodes as u64, peak_bytes(), updates])?;
+    let all = collective::share(network, &[particles as u64, nodes as u64, peak_bytes(), updates])?;
     let column = |i: usize| all.iter().map(move |numbers| numbers[i]);
     let most = |i: usize| column(i).max().unwrap_or(0);
     Ok([most(0), most(1), most(2), column(3).sum()])
