@@ -1,15 +1,8 @@
 //! Sinew: coupled solids by the material point method, as declared tasks on the patches of a grid.
-pub mod bench;
-pub mod data;
-pub mod exec;
-pub mod graph;
-pub mod grid;
+//!
+//! This library reads scenes ([`input`]), runs them ([`simulation`]), writes folders of results ([`output`]), and looks at all
+//! of it ([`lab`]). The method is the crate `tasks`, what runs it the crate `engine`.
 pub mod input;
+pub mod lab;
 pub mod output;
-pub mod physics;
-pub mod plan;
-pub mod scale;
-pub mod simd;
 pub mod simulation;
-#[path = "../tasks/mod.rs"]
-pub mod tasks;

@@ -1,8 +1,9 @@
-use crate::data::labels::{
-    BlockExtent, GridVelocity, Mass, Position, Step, TransferLoss, Velocity, VelocityChange,
+use crate::labels::{
+    BlockExtent, GridVelocity, Mass, OwnStep, Position, TransferLoss, Velocity, VelocityChange,
 };
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, load, store};
+use engine::data::extent::Bases;
+use engine::graph::task::{At, Body};
+use simd::{Simd, load, store};
 
 /// v_p ← (1 − β)(v_p + Σ S Δv) + β Σ S v ;  x_p ← x_p + Δt Σ S v : FLIP with a fraction β of PIC.
 /// The kinetic energy that particles gain is taken from `TransferLoss`.
@@ -10,15 +11,13 @@ use crate::simd::{Simd, load, store};
 pub struct Advance {
     /// β
     pub pic: f64,
-    /// 1/h [1/m]
-    pub inverse_cell: f64,
-    /// Half-size of a particle in cells.
-    pub half_size: [f64; 3],
+    /// Where particles are, for the extent of their block.
+    pub bases: Bases,
 }
 
-crate::task! { Particles task Advance {
+engine::task! { Particles task Advance {
     requires old { mass: Mass }
-    requires new { step: Step, grid_velocity: GridVelocity, change: VelocityChange }
+    requires new { step: OwnStep, grid_velocity: GridVelocity, change: VelocityChange }
     computes { extent: BlockExtent, loss: TransferLoss }
     modifies { position: Position, velocity: Velocity }
 }}
@@ -41,25 +40,10 @@ impl Body for Advance {
                 let new = flip.fma(old + S::load(&dv[a]), pic * on_grid);
                 new.store(&mut v[a]);
                 gain = half_mass.fma((new - old) * (new + old), gain);
-                include(&mut extent, a, self.base::<S>(at, a, moved));
+                self.bases.include(&mut extent, &at.origin, a, moved);
             }
         }
         store(&extent, &mut io.extent[0]);
         io.loss[0].add(-gain.lanes().iter().sum::<f64>());
     }
-}
-
-impl Advance {
-    /// The base node before rounding down.
-    #[inline(always)]
-    fn base<S: Simd>(&self, at: &At<'_>, axis: usize, x: S) -> S {
-        x.fms(S::splat(self.inverse_cell), S::splat(at.origin.lower[axis] + self.half_size[axis]))
-    }
-}
-
-/// Keeps the largest y and the largest −y on an axis.
-#[inline(always)]
-fn include<S: Simd>(extent: &mut [S; 6], axis: usize, y: S) {
-    extent[axis] = extent[axis].max(y);
-    extent[axis + 3] = extent[axis + 3].max(-y);
 }

@@ -1,11 +1,11 @@
 use super::integrate::{change, mean_velocity};
 use super::work::Work;
-use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
-use crate::data::nodes::NODES;
-use crate::graph::task::{At, Body};
-use crate::grid::BLOCK;
-use crate::input::scene::FaceCondition;
-use crate::simd::Simd;
+use crate::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
+use engine::graph::task::{At, Body};
+use grid::BLOCK;
+use grid::NODES;
+use scene::FaceCondition;
+use simd::Simd;
 
 /// Conditions on the faces of the domain, on all nodes at or beyond them, at the end of a material's step.
 pub struct Boundary {
@@ -17,7 +17,7 @@ pub struct Boundary {
     pub rigid: Vec<bool>,
 }
 
-crate::task! { Nodes task Boundary {
+engine::task! { Nodes task Boundary {
     requires new { time: Time, sums: NodeSums }
     computes { work: BoundaryWork }
     modifies { motion: NodeMotion }
@@ -55,12 +55,12 @@ impl Body for Boundary {
         if !(0..6).any(|face| reached(&face)) {
             return;
         }
-        let time = io.time[0].time + io.time[0].step;
+        let time = io.time[0].time + io.time[0].tick;
         let mut work = Work::default();
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
-        for ((sums, motions), _) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material as usize]) {
-            for (n, (sum, motion)) in (0..).zip(sums.iter().zip(motions)) {
-                let node = std::array::from_fn(|a| at.node[a] + (n >> (4 - 2 * a) & 3));
+        for ((sums, motions), _) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material]) {
+            for (n, (sum, motion)) in sums.iter().zip(motions).enumerate() {
+                let node = at.node_of(n);
                 for face in (0..6).filter(|&face| self.holds(face, node)) {
                     let v = [motion.0[0], motion.0[1], motion.0[2]];
                     let dv = self.correction(face, time, v);

@@ -1,14 +1,14 @@
 use super::integrate::change;
-use crate::data::exact_sum::ExactSum;
-use crate::data::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums};
-use crate::data::nodes::NODES;
-use crate::data::shared::RigidState;
-use crate::graph::task::{At, Body};
-use crate::input::scene::{Contact as Touch, ContactLaw};
-use crate::physics::contact::surface::SurfaceTable;
-use crate::physics::contact::{Exchange, Pair, bonded, dot, friction};
-use crate::physics::lattice::Lattice;
-use crate::simd::{Simd, Wide};
+use crate::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums};
+use crate::rigid::state::RigidState;
+use engine::data::exact_sum::ExactSum;
+use engine::graph::task::{At, Body};
+use grid::Lattice;
+use grid::NODES;
+use physics::contact::surface::SurfaceTable;
+use physics::contact::{Exchange, Pair, bonded, dot, friction};
+use scene::{Contact as Touch, ContactLaw};
+use simd::{Simd, Wide};
 
 /// Contact of pairs of materials at the nodes that they share. Listed twice in the recipe: for the interpolated and
 /// for the integrated velocities.
@@ -29,7 +29,7 @@ pub struct Contact {
     pub cells: [usize; 3],
 }
 
-crate::task! { Nodes task Contact {
+engine::task! { Nodes task Contact {
     requires new { sums: NodeSums, surfaces: ContactSums }
     modifies { motion: NodeMotion, impulse: ContactImpulse }
 }}
@@ -95,7 +95,7 @@ impl Contact {
             return;
         }
         for pair in &self.pairs {
-            let slot = |material: usize| at.fields.iter().position(|f| f.material as usize == material);
+            let slot = |material: usize| at.fields.iter().position(|f| f.material == material);
             let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
             let elapsed = [at.fields[a].elapsed, at.fields[b].elapsed];
             let mut pushed = [[0.0; 6]; 2];
@@ -104,8 +104,8 @@ impl Contact {
                 if lines.iter().any(|&line| io.sums[line].0[0] <= self.least_mass) {
                     continue;
                 }
-                let node = self.lattice.node(at.node, n);
-                let mirrored = self.mirrored(at.node, n as i32);
+                let node = self.lattice.position(at.node_of(n));
+                let mirrored = self.mirrored(at.node_of(n));
                 let sides = [0, 1].map(|i| Side {
                     material: pair.between[i],
                     sums: &io.sums[lines[i]],
@@ -139,11 +139,10 @@ impl Contact {
     }
 
     /// Axes on which the node lies on, or beyond, a symmetry plane.
-    fn mirrored(&self, first: [i32; 3], n: i32) -> [bool; 3] {
+    fn mirrored(&self, node: [i32; 3]) -> [bool; 3] {
         std::array::from_fn(|a| {
-            let node = first[a] + (n >> (4 - 2 * a) & 3);
-            (self.symmetric[2 * a] && node <= 0)
-                || (self.symmetric[2 * a + 1] && node >= self.cells[a] as i32)
+            (self.symmetric[2 * a] && node[a] <= 0)
+                || (self.symmetric[2 * a + 1] && node[a] >= self.cells[a] as i32)
         })
     }
 

@@ -1,12 +1,12 @@
-use crate::data::labels::{ContactImpulse, NodeMotion};
-use crate::data::nodes::NODES;
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, Wide};
+use crate::labels::{ContactImpulse, NodeMotion};
+use engine::graph::task::{At, Body};
+use grid::NODES;
+use simd::{Simd, Wide};
 
 /// No impulse yet, where a step begins.
 pub struct ContactBegin;
 
-crate::task! { Nodes task ContactBegin {
+engine::task! { Nodes task ContactBegin {
     requires new { motion: NodeMotion }
     computes { impulse: ContactImpulse }
 }}

@@ -1,11 +1,11 @@
-use crate::data::labels::{ContactFlow as ContactFlowLabel, Mass, Position, Volume};
-use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::labels::{ContactFlow as ContactFlowLabel, Mass, Position, Volume};
+use engine::graph::task::{At, Body};
+use simd::Simd;
 
 /// What contact needs to know of a surface: (mx)_I = Σ_p S_Ip m_p x_p and g_I = Σ_p V_p ∇S_Ip.
 pub struct ContactFlow;
 
-crate::task! { NearParticles task ContactFlow {
+engine::task! { NearParticles task ContactFlow {
     requires old { mass: Mass, position: Position, volume: Volume }
     computes { flow: ContactFlowLabel }
 }}

@@ -1,9 +1,9 @@
 use super::integrate::mean_velocity;
-use crate::data::labels::{ContactImpulse, ContactWork, NodeMotion};
-use crate::data::nodes::NODES;
-use crate::graph::task::{At, Body};
-use crate::physics::contact::dot;
-use crate::simd::Simd;
+use crate::labels::{ContactImpulse, ContactWork, NodeMotion};
+use engine::graph::task::{At, Body};
+use grid::NODES;
+use physics::contact::dot;
+use simd::Simd;
 
 /// Energy that contact takes: − Σ J · (v⁰ + v)/2 over nodes and materials, with J all impulse of a material's step, v⁰ and v
 /// the velocities at its start and end.
@@ -12,7 +12,7 @@ use crate::simd::Simd;
 /// pushed in by its stress and back by contact within every step: neither is work.
 pub struct ContactPower;
 
-crate::task! { Nodes task ContactPower {
+engine::task! { Nodes task ContactPower {
     requires new { impulse: ContactImpulse, motion: NodeMotion }
     computes { work: ContactWork }
 }}

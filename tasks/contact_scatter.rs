@@ -1,12 +1,12 @@
 use super::scatter::{scatter_rows, to_rows};
-use crate::data::labels::{ContactFlow, ContactSums, ScatterRows, Weights};
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, load};
+use crate::labels::{ContactFlow, ContactSums, ScatterRows, Weights};
+use engine::graph::task::{At, Body};
+use simd::{Simd, load};
 
 /// Adds the contact flows to the nodes.
 pub struct ContactScatter;
 
-crate::task! { NearParticles task ContactScatter {
+engine::task! { NearParticles task ContactScatter {
     requires new { weights: Weights, flow: ContactFlow }
     computes { nodes: ContactSums @ 3 }
     scratch { rows: ScatterRows }

@@ -1,8 +1,8 @@
 use super::work::Work;
-use crate::data::labels::{BoundaryWork, DriveIndex, GridVelocity, Mass, Step, Velocity, VelocityChange};
-use crate::graph::task::{At, Body};
-use crate::input::scene::Table;
-use crate::simd::{LANES, Simd};
+use crate::labels::{BoundaryWork, DriveIndex, GridVelocity, Mass, OwnStep, Velocity, VelocityChange};
+use engine::graph::task::{At, Body};
+use scene::Table;
+use simd::{LANES, Simd};
 
 /// Particles of a driven region move as the scene prescribes, whatever the nodes say.
 pub struct Drive {
@@ -10,9 +10,9 @@ pub struct Drive {
     pub drives: Vec<Table>,
 }
 
-crate::task! { Particles task Drive {
+engine::task! { Particles task Drive {
     requires old { index: DriveIndex, mass: Mass, velocity: Velocity }
-    requires new { step: Step }
+    requires new { step: OwnStep }
     computes { work: BoundaryWork }
     modifies { grid_velocity: GridVelocity, change: VelocityChange }
 }}

@@ -1,14 +1,14 @@
-use crate::data::labels::{GatherRows, GridVelocity, NodeMotion, VelocityChange, VelocityGradient, Weights};
-use crate::for_each_particle_by_class;
-use crate::graph::task::{At, Body};
-use crate::physics::shape::transfer::gather;
-use crate::physics::shape::{GROUP, NodeRows};
-use crate::simd::{Simd, Wide};
+use crate::labels::{GatherRows, GridVelocity, NodeMotion, VelocityChange, VelocityGradient, Weights};
+use engine::graph::task::{At, Body};
+use shapes::for_each_particle_by_class;
+use shapes::transfer::gather;
+use shapes::{GROUP, NodeRows};
+use simd::{Simd, Wide};
 
 /// Σ_I S_Ip v_I, Σ_I S_Ip Δv_I and L_p = Σ_I v_I ⊗ ∇S_Ip.
 pub struct Gather;
 
-crate::task! { Particles task Gather {
+engine::task! { Particles task Gather {
     requires new { weights: Weights, nodes: NodeMotion @ 3 }
     computes {
         velocity: GridVelocity,

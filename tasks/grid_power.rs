@@ -1,7 +1,7 @@
-use crate::data::labels::{NodeMotion, NodeSums, TransferLoss};
-use crate::data::nodes::NODES;
-use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::labels::{NodeMotion, NodeSums, TransferLoss};
+use engine::graph::task::{At, Body};
+use grid::NODES;
+use simd::Simd;
 
 /// Σ_I m_I Δv_I · (v⁰_I + v_I)/2: the kinetic energy that the nodes gain in the step. Particles do not gain all of it:
 /// `Advance` takes what they gain away, and what is left is the loss of the transfer.
@@ -10,7 +10,7 @@ pub struct GridPower {
     pub rigid: Vec<bool>,
 }
 
-crate::task! { Nodes task GridPower {
+engine::task! { Nodes task GridPower {
     requires new { sums: NodeSums, motion: NodeMotion }
     computes { loss: TransferLoss }
 }}
@@ -20,7 +20,7 @@ impl Body for GridPower {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let (half, mut power) = (S::splat(0.5), S::splat(0.0));
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES)).zip(at.fields);
-        for ((sums, motions), _) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material as usize]) {
+        for ((sums, motions), _) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material]) {
             for (sum, motion) in sums.iter().zip(motions) {
                 // lanes 0 to 2: m Δv · (v − Δv/2)
                 let velocity = S::load(motion);

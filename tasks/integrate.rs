@@ -1,7 +1,7 @@
-use crate::data::labels::{NodeMotion, NodeSums, Step};
-use crate::data::nodes::NODES;
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, Wide};
+use crate::labels::{NodeMotion, NodeSums, OwnStep};
+use engine::graph::task::{At, Body};
+use grid::NODES;
+use simd::{Simd, Wide};
 
 /// v_I ← v_I + Δt f_I / m_I over the tick: symplectic Euler on the nodes. Where a material waits for a faster one its
 /// velocity is v⁰ + s Δt a + C after s ticks, with C what contact did so far.
@@ -10,8 +10,8 @@ pub struct Integrate {
     pub least_mass: f64,
 }
 
-crate::task! { Nodes task Integrate {
-    requires new { step: Step, sums: NodeSums }
+engine::task! { Nodes task Integrate {
+    requires new { step: OwnStep, sums: NodeSums }
     modifies { motion: NodeMotion }
 }}
 

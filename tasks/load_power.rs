@@ -1,10 +1,10 @@
 use super::integrate::mean_velocity;
 use super::loads::LoadField;
 use super::work::Work;
-use crate::data::labels::{BoundaryWork, NodeMotion, NodeSums, Step};
-use crate::data::nodes::NODES;
-use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::labels::{BoundaryWork, NodeMotion, NodeSums, OwnStep};
+use engine::graph::task::{At, Body};
+use grid::NODES;
+use simd::Simd;
 
 /// Work of gravity and damping, with the mean velocity of the whole step (see `ContactPower`).
 pub struct LoadPower {
@@ -16,8 +16,8 @@ pub struct LoadPower {
     pub rigid: Vec<bool>,
 }
 
-crate::task! { Nodes task LoadPower {
-    requires new { step: Step, sums: NodeSums, motion: NodeMotion }
+engine::task! { Nodes task LoadPower {
+    requires new { step: OwnStep, sums: NodeSums, motion: NodeMotion }
     computes { work: BoundaryWork }
 }}
 
@@ -26,7 +26,7 @@ impl Body for LoadPower {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let mut work = Work::default();
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES)).zip(at.fields);
-        for ((sums, motions), field) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material as usize]) {
+        for ((sums, motions), field) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material]) {
             for (sum, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.0[0] > self.least_mass) {
                 work.add(sum.0[0], mean_velocity(motion), self.field.change(motion, field.step));
             }

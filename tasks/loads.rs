@@ -1,8 +1,8 @@
 use super::integrate::change;
-use crate::data::labels::{NodeMotion, NodeSums, Step};
-use crate::data::nodes::NODES;
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, Wide};
+use crate::labels::{NodeMotion, NodeSums, OwnStep};
+use engine::graph::task::{At, Body};
+use grid::NODES;
+use simd::{Simd, Wide};
 
 /// v_I ← v_I + Δt (g − α v⁰_I): gravity, and damping in proportion to mass and to the velocity that the step began with.
 pub struct Loads {
@@ -33,8 +33,8 @@ impl LoadField {
     }
 }
 
-crate::task! { Nodes task Loads {
-    requires new { step: Step, sums: NodeSums }
+engine::task! { Nodes task Loads {
+    requires new { step: OwnStep, sums: NodeSums }
     modifies { motion: NodeMotion }
 }}
 
@@ -42,7 +42,7 @@ impl Body for Loads {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
-        for ((sums, motions), field) in fields.filter(|(_, f)| !self.rigid[f.material as usize]) {
+        for ((sums, motions), field) in fields.filter(|(_, f)| !self.rigid[f.material]) {
             for (_, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.0[0] > self.least_mass) {
                 let dv = self.field.change(motion, field.missed + field.tick);
                 change(motion, dv);

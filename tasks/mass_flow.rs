@@ -1,11 +1,11 @@
-use crate::data::labels::{Mass, MassFlow as MassFlowLabel, Velocity};
-use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::labels::{Mass, MassFlow as MassFlowLabel, Velocity};
+use engine::graph::task::{At, Body};
+use simd::Simd;
 
 /// m_I = Σ_p S_Ip m_p ;  (mv)_I = Σ_p S_Ip m_p v_p : the factors of S_Ip.
 pub struct MassFlow;
 
-crate::task! { Particles task MassFlow {
+engine::task! { Particles task MassFlow {
     requires old { mass: Mass, velocity: Velocity }
     computes { flow: MassFlowLabel }
 }}

@@ -1,8 +1,8 @@
 use super::integrate::integrate;
-use crate::data::labels::{NodeMotion, NodeSums, Step};
-use crate::data::nodes::NODES;
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, Wide};
+use crate::labels::{NodeMotion, NodeSums, OwnStep};
+use engine::graph::task::{At, Body};
+use grid::NODES;
+use simd::{Simd, Wide};
 
 /// v_I = (mv)_I / m_I, no change yet, where a step begins. Nodes below `least_mass` rest. Where a material waited, and
 /// nobody asked for its nodes, they are brought to the beginning of the tick: v_I + Δt f_I / m_I over the ticks missed.
@@ -11,8 +11,8 @@ pub struct NodalVelocity {
     pub least_mass: f64,
 }
 
-crate::task! { Nodes task NodalVelocity {
-    requires new { step: Step, sums: NodeSums }
+engine::task! { Nodes task NodalVelocity {
+    requires new { step: OwnStep, sums: NodeSums }
     modifies { motion: NodeMotion }
 }}
 

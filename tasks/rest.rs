@@ -1,11 +1,11 @@
-use crate::data::labels::{Mass, VelocityGradient};
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, Wide};
+use crate::labels::{Mass, VelocityGradient};
+use engine::graph::task::{At, Body};
+use simd::{Simd, Wide};
 
 /// L_p = 0: before the first step, to evaluate laws in the state that the scene gave.
 pub struct Rest;
 
-crate::task! { Particles task Rest {
+engine::task! { Particles task Rest {
     requires old { mass: Mass }
     computes { gradient: VelocityGradient }
 }}

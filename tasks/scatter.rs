@@ -1,14 +1,14 @@
-use crate::data::labels::{MassFlow, NodeSums, ScatterRows, StressFlow, Weights};
-use crate::for_each_particle_by_class;
-use crate::graph::task::{At, Body};
-use crate::physics::shape::transfer::scatter;
-use crate::physics::shape::{GROUP, NodeRows, Stencil};
-use crate::simd::{Simd, Wide, load};
+use crate::labels::{MassFlow, NodeSums, ScatterRows, StressFlow, Weights};
+use engine::graph::task::{At, Body};
+use shapes::for_each_particle_by_class;
+use shapes::transfer::scatter;
+use shapes::{GROUP, NodeRows, Stencil};
+use simd::{Simd, Wide, load};
 
 /// Adds the mass, momentum, force and volume flows to the nodes.
 pub struct Scatter;
 
-crate::task! { Particles task Scatter {
+engine::task! { Particles task Scatter {
     requires new { weights: Weights, mass: MassFlow, stress: StressFlow }
     computes { nodes: NodeSums @ 3 }
     scratch { rows: ScatterRows }

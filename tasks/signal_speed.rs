@@ -1,14 +1,14 @@
 use super::stress::{Who, fault};
-use crate::data::labels::{
+use crate::labels::{
     Fault, Identity, InitialVolume, Mass, Position, SignalSpeed as SignalSpeedLabel, StiffnessBound, Velocity,
 };
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, load, store};
+use engine::graph::task::{At, Body};
+use simd::{Simd, load, store};
 
 /// max_p of c + |v|, of c and of |v|, with ρ₀ c² from the law's bound: what limits the next step.
 pub struct SignalSpeed;
 
-crate::task! { Particles task SignalSpeed {
+engine::task! { Particles task SignalSpeed {
     requires old { mass: Mass, initial_volume: InitialVolume, identity: Identity }
     requires new { stiffness: StiffnessBound }
     requires now { velocity: Velocity, position: Position }

@@ -1,12 +1,12 @@
-use crate::data::labels::{
-    Deformation, Fault, FirstFailure, History, Identity, InitialVolume, KirchhoffStress, Position, Step,
+use crate::labels::{
+    Deformation, Fault, FirstFailure, History, Identity, InitialVolume, KirchhoffStress, OwnStep, Position,
     StiffnessBound, VelocityGradient, Volume,
 };
-use crate::data::reduction::earlier;
-use crate::graph::task::{At, Body};
-use crate::physics::law::{Events, Kinematics, Law, MAX_HISTORY};
-use crate::physics::tensor::{determinant, increment, multiply};
-use crate::simd::{LANES, Mask, Simd, Wide, load, store};
+use engine::data::reduction::earlier;
+use engine::graph::task::{At, Body};
+use physics::law::{Events, Kinematics, Law, MAX_HISTORY};
+use physics::tensor::{determinant, increment, multiply};
+use simd::{LANES, Mask, Simd, Wide, load, store};
 
 /// F ← (1 + Δt L) F, then τ(F, history) of one law, V = J V⁰, and the bound of ρ₀ c².
 ///
@@ -14,10 +14,10 @@ use crate::simd::{LANES, Mask, Simd, Wide, load, store};
 /// more: that particle keeps its F.
 pub struct Stress<L>(pub L);
 
-crate::task! { Particles task Stress [L: Law] {
+engine::task! { Particles task Stress [L: Law] {
     requires old { position: Position, initial_volume: InitialVolume, identity: Identity }
     requires new { gradient: VelocityGradient }
-    requires now { step: Step }
+    requires now { step: OwnStep }
     computes {
         stress: KirchhoffStress,
         stiffness: StiffnessBound,

@@ -1,11 +1,11 @@
-use crate::data::labels::{InitialVolume, KirchhoffStress, StressFlow as StressFlowLabel, Volume};
-use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::labels::{InitialVolume, KirchhoffStress, StressFlow as StressFlowLabel, Volume};
+use engine::graph::task::{At, Body};
+use simd::Simd;
 
 /// f_I = − Σ_p V⁰_p τ_p ∇S_Ip ;  V_I = Σ_p S_Ip V_p : the factors of ∇S_Ip and S_Ip.
 pub struct StressFlow;
 
-crate::task! { Particles task StressFlow {
+engine::task! { Particles task StressFlow {
     requires old { stress: KirchhoffStress, initial_volume: InitialVolume, volume: Volume }
     computes { flow: StressFlowLabel }
 }}

@@ -1,7 +1,7 @@
-use crate::data::labels::{SignalSpeed, Step, Time};
-use crate::data::shared::{Clock, MaterialStep};
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, Wide};
+use crate::labels::{OwnStep, SignalSpeed, Time};
+use engine::data::rates::{Clock, MaterialStep};
+use engine::graph::task::{At, Body};
+use simd::{Simd, Wide};
 
 /// The tick, and the steps of the materials, each a whole number of ticks.
 ///
@@ -21,9 +21,9 @@ pub struct TimestepSize {
     pub rigid: Vec<bool>,
 }
 
-crate::task! { Once task TimestepSize {
+engine::task! { Once task TimestepSize {
     requires old { speed: SignalSpeed }
-    modifies { time: Time, step: Step }
+    modifies { time: Time, step: OwnStep }
 }}
 
 impl Body for TimestepSize {
@@ -43,11 +43,11 @@ impl TimestepSize {
             let left = clock.last - clock.number;
             let alone = self.alone(speeds, m);
             // a hair more, so that rounding does not cost a tick
-            let ticks = if self.rigid[m] { 1.0 } else { (alone / clock.step * (1.0 + 1e-9)).floor() };
+            let ticks = if self.rigid[m] { 1.0 } else { (alone / clock.tick * (1.0 + 1e-9)).floor() };
             let ticks = (left / (left / ticks.clamp(1.0, left)).ceil()).ceil();
             *step = MaterialStep {
                 time: clock.time,
-                size: ticks * clock.step,
+                size: ticks * clock.tick,
                 first: clock.number,
                 last: clock.number + ticks,
                 unused: step.unused,
@@ -72,7 +72,7 @@ impl TimestepSize {
         let whole;
         (whole, clock.limited_by) = if stable < left { (stable, limited_by as f64) } else { (left, -1.0) };
         clock.end = if stable < left { clock.time + whole } else { clock.until };
-        clock.step = whole / ticks;
+        clock.tick = whole / ticks;
         clock.last = clock.number + ticks;
         clock.speed = speed;
     }

@@ -1,9 +1,9 @@
-use crate::data::labels::{
-    InitialVolume, KirchhoffStress, Mass, Step, StiffnessBound, VelocityGradient, ViscousWork, Volume,
+use crate::labels::{
+    InitialVolume, KirchhoffStress, Mass, OwnStep, StiffnessBound, VelocityGradient, ViscousWork, Volume,
 };
-use crate::graph::task::{At, Body};
-use crate::physics::viscosity::Viscosity as Law;
-use crate::simd::Simd;
+use engine::graph::task::{At, Body};
+use physics::viscosity::Viscosity as Law;
+use simd::Simd;
 
 /// τ ← τ − J q 1 in compression; the work goes to heat and is counted.
 pub struct Viscosity {
@@ -13,9 +13,9 @@ pub struct Viscosity {
     pub cell: f64,
 }
 
-crate::task! { Particles task Viscosity {
+engine::task! { Particles task Viscosity {
     requires old { mass: Mass, initial_volume: InitialVolume }
-    requires new { step: Step, gradient: VelocityGradient, stiffness: StiffnessBound, volume: Volume }
+    requires new { step: OwnStep, gradient: VelocityGradient, stiffness: StiffnessBound, volume: Volume }
     modifies { stress: KirchhoffStress, work: ViscousWork }
 }}
 

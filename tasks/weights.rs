@@ -1,7 +1,7 @@
-use crate::data::labels::{Position, Weights as WeightsLabel};
-use crate::graph::task::{At, Body};
-use crate::physics::shape::ShapeFunction;
-use crate::simd::Simd;
+use crate::labels::{Position, Weights as WeightsLabel};
+use engine::graph::task::{At, Body};
+use shapes::ShapeFunction;
+use simd::Simd;
 
 /// S_Ip and ∇S_Ip at the particles' present positions.
 pub struct Weights<F> {
@@ -11,7 +11,7 @@ pub struct Weights<F> {
     pub inverse_cell: f64,
 }
 
-crate::task! { Particles task Weights [F: ShapeFunction] {
+engine::task! { Particles task Weights [F: ShapeFunction] {
     requires old { position: Position }
     computes { weights: WeightsLabel }
 }}

@@ -1,6 +1,6 @@
 //! Work and impulse that something outside does on the matter.
-use crate::data::exact_sum::ExactSum;
-use crate::data::shared::RigidState;
+use crate::rigid::state::RigidState;
+use engine::data::exact_sum::ExactSum;
 
 /// Sums of work and impulse over a few nodes or particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -3,12 +3,12 @@ mod common;
 
 use common::command::{ok, sinew, text, words};
 use common::{Overrides, Random, finish, scene, soft_shot};
-use sinew::exec::ranks::local::Local;
-use sinew::exec::ranks::{Alone, Network};
-use sinew::input::scene::Scene;
+use engine::exec::ranks::local::Local;
+use engine::exec::ranks::{Alone, Network};
+use scene::Scene;
+use simd::Isa;
 use sinew::output::checkpoint::{self, Reader, Recorded, last_whole};
 use sinew::output::summary::Summary;
-use sinew::simd::Isa;
 use sinew::simulation::recorder::{End, Next, Recorder, last_checkpoint};
 use sinew::simulation::{Report, RunError, Simulation};
 use std::path::{Path, PathBuf};
@@ -181,7 +181,7 @@ fn any_number_of_ranks_takes_over_the_state_and_writes_it_again() {
         let reader = ok(Reader::open(path));
         let mut records = Vec::new();
         for (m, material) in reader.head.materials.iter().enumerate() {
-            let columns = ok(reader.columns(m, &(0..material.particles)));
+            let columns = ok(reader.columns(m, &(0..material.rows)));
             let mut row = 0;
             for block in ok(reader.blocks(m)) {
                 let rows = row..row + block.count as usize;

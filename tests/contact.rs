@@ -4,19 +4,19 @@ mod common;
 use common::{
     Overrides, Random, finish, instruction_sets, minus, momentum, norm, problem, run, scene, start,
 };
-use sinew::data::labels::LabelId;
-use sinew::data::nodes::NODES;
-use sinew::data::schedule::Field;
-use sinew::data::workspace::Workspace;
-use sinew::graph::task::{At, Runnable};
-use sinew::input::scene::{Contact as Touch, ContactLaw, Criterion};
-use sinew::physics::contact::surface::SurfaceTable;
-use sinew::physics::contact::{Pair, bonded, dot, friction};
-use sinew::physics::lattice::Lattice;
-use sinew::physics::shape::Origin;
-use sinew::simd::{Isa, Wide};
-use sinew::tasks::contact::Contact;
+use engine::data::fields::FieldId;
+use engine::data::schedule::FieldTime;
+use engine::data::workspace::{Workspace, no_columns};
+use engine::graph::task::{At, Runnable};
+use engine::schema::{Label, LabelId};
+use grid::{BlockShape, Lattice, Level, NODES};
+use physics::contact::surface::SurfaceTable;
+use physics::contact::{Pair, bonded, dot, friction};
+use scene::{Contact as Touch, ContactLaw, Criterion};
+use simd::{Isa, Wide};
 use std::array::from_fn;
+use tasks::contact::Contact;
+use tasks::labels::{self, SCHEMA};
 
 const CRITERIA: [Criterion; 3] =
     [Criterion::Approach, Criterion::ApproachOrCompression, Criterion::ApproachAndCompression];
@@ -32,7 +32,7 @@ fn pair(random: &mut Random) -> Pair {
 }
 
 /// Relative velocity after an exchange.
-fn after(pair: &Pair, exchange: &sinew::physics::contact::Exchange) -> [f64; 3] {
+fn after(pair: &Pair, exchange: &physics::contact::Exchange) -> [f64; 3] {
     from_fn(|a| pair.relative[a] + (exchange.normal[a] + exchange.friction[a]) / pair.reduced_mass)
 }
 
@@ -85,18 +85,23 @@ fn friction_follows_coulomb_and_its_criterion() {
 /// One block of nodes that `materials` touch, with random masses over six decades, velocities, forces and surfaces.
 struct Nodes {
     columns: [(LabelId, Vec<Wide>); 4],
-    present: Vec<u8>,
+    present: Vec<usize>,
 }
 
 impl Nodes {
-    fn random(materials: u8, lattice: &Lattice, random: &mut Random) -> Self {
-        let mut columns =
-            [LabelId::NodeSums, LabelId::ContactSums, LabelId::NodeMotion, LabelId::ContactImpulse]
-                .map(|label| (label, vec![Wide::default(); NODES * materials as usize]));
+    fn random(materials: usize, lattice: &Lattice, random: &mut Random) -> Self {
+        let mut columns = [
+            labels::NodeSums::ID,
+            labels::ContactSums::ID,
+            labels::NodeMotion::ID,
+            labels::ContactImpulse::ID,
+        ]
+        .map(|label| (label, vec![Wide::default(); NODES * materials]));
         let [(_, sums), (_, surfaces), (_, motions), _] = &mut columns;
+        let shape = BlockShape::new([1; 3]);
         for (line, ((sum, surface), motion)) in sums.iter_mut().zip(surfaces).zip(motions).enumerate() {
             let (mass, f, v) = (10f64.powf(3.0 * random.sign()), random.vector(), random.vector());
-            let (node, g) = (lattice.node([0; 3], line % NODES), random.vector());
+            let (node, g) = (lattice.position(shape.place(line % NODES)), random.vector());
             // the center of mass of what a node sees lies within a cell of it
             let x: [f64; 3] = from_fn(|a| node[a] + 0.3 * lattice.cell * random.sign());
             *sum = Wide([mass, mass * v[0], mass * v[1], mass * v[2], f[0], f[1], f[2], 1.0]);
@@ -116,22 +121,24 @@ impl Nodes {
     }
 
     fn run(&mut self, task: &Contact, isa: Isa) {
-        let origin = Origin { node: [-1.0; 3], lower: [0.0; 3] };
+        let origin = Level { lower: [0.0; 3], cell: 0.1, cells: [4; 3] }.origin([0; 3]);
         // in the midst of a step of every other material
-        let field = |&material: &u8| Field {
+        let field = |&material: &usize| FieldTime {
+            field: FieldId::new(material),
             material,
             begins: false,
             ends: material % 2 == 0,
-            elapsed: 1e-3 * f64::from(material),
+            elapsed: 1e-3 * material as f64,
             missed: 0.0,
             tick: 1e-3,
             step: 1e-2,
         };
-        let fields: Vec<Field> = self.present.iter().map(field).collect();
-        let at = At { origin, count: 0, node: [0; 3], fields: &fields };
-        let mut space = Workspace::empty();
+        let fields: Vec<FieldTime> = self.present.iter().map(field).collect();
+        let at = At { origin, count: 0, node: [0; 3], nodes: NODES, fields: &fields };
+        let columns = no_columns(Vec::new(), SCHEMA.len());
+        let mut space = Workspace { columns, chunk: 0..0, ahead: 0, widths: &[] };
         for (label, column) in &mut self.columns {
-            space.columns[*label as usize] = column;
+            space.columns[label.index()] = column;
         }
         task.run_on(isa, &at, &mut space);
     }
@@ -157,7 +164,7 @@ fn every_node_keeps_its_momentum_whoever_meets_there() {
             let (mut worst, mut changed) = (0.0f64, 0);
             for isa in instruction_sets() {
                 for _ in 0..20 {
-                    let mut nodes = Nodes::random(materials as u8, &lattice, &mut random);
+                    let mut nodes = Nodes::random(materials, &lattice, &mut random);
                     let before: Vec<_> = (0..NODES).map(|n| nodes.momentum(n)).collect();
                     let motions = nodes.columns[2].1.clone();
                     nodes.run(&task, isa);

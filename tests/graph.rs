@@ -2,14 +2,16 @@
 mod common;
 
 use common::tasks;
+use engine::graph::build::TaskGraph;
+use engine::graph::error::GraphError;
+use engine::graph::recipe::{Entry, Recipe, Why};
+use engine::graph::task::{Domain, Runnable};
+use engine::schema::{Label, LabelId};
 use petgraph::stable_graph::NodeIndex;
-use sinew::data::labels::*;
-use sinew::graph::build::TaskGraph;
-use sinew::graph::error::GraphError;
-use sinew::graph::recipe::{Entry, Recipe, Why};
-use sinew::graph::task::{Domain, Runnable};
-use sinew::input::scene::Scene;
+use scene::Scene;
+use sinew::lab::diagram::export::Shown;
 use sinew::simulation::{rates, step_graph};
+use tasks::labels::*;
 
 tasks! {
     Particles make_flow MakeFlow { requires old { mass: Mass } computes { flow: MassFlow } }
@@ -44,8 +46,9 @@ fn shared(task: impl Runnable + 'static) -> Line {
 /// The graph of a recipe of two materials on four patches; all that it writes to particles is wanted.
 fn graph<const N: usize>(lines: [Line; N]) -> Result<TaskGraph, GraphError> {
     let entries = lines.map(|(material, task)| Entry { task, material, because: String::new() });
-    let recipe = Recipe { entries: entries.into(), materials: vec!["wood".into(), "iron".into()] };
-    TaskGraph::build(recipe, &[LabelId::Velocity, LabelId::Position, LabelId::Volume, LabelId::Time], 4)
+    let recipe =
+        Recipe { schema: &SCHEMA, entries: entries.into(), materials: vec!["wood".into(), "iron".into()] };
+    TaskGraph::build(recipe, &[Velocity::ID, Position::ID, Volume::ID, Time::ID], 4)
 }
 
 /// Edges as (source, target, label, why), in the order of the recipe.
@@ -191,7 +194,8 @@ fn a_chunk_label_that_leaves_its_stage_is_refused() {
 
 fn build(lines: Vec<Line>, outputs: &[LabelId]) -> TaskGraph {
     let entries = lines.into_iter().map(|(material, task)| Entry { task, material, because: String::new() });
-    let recipe = Recipe { entries: entries.collect(), materials: vec!["wood".into(), "iron".into()] };
+    let recipe =
+        Recipe { schema: &SCHEMA, entries: entries.collect(), materials: vec!["wood".into(), "iron".into()] };
     TaskGraph::build(recipe, outputs, 1).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -208,9 +212,9 @@ fn idle_tasks_go_unless_an_output_asks_for_them() {
             .all(|n| lean.pruned.contains(&(*n).into()))
     );
     assert_eq!(lean.phases.len(), 1);
-    let asked = build(lines(), &[LabelId::Volume]);
+    let asked = build(lines(), &[Volume::ID]);
     assert!(!asked.pruned.contains(&"SetVolume[wood]".to_owned()), "{:?}", asked.pruned);
-    let nodes = build(lines(), &[LabelId::NodeMotion]);
+    let nodes = build(lines(), &[NodeMotion::ID]);
     assert_eq!(nodes.pruned, ["SetVolume[wood]"]);
 }
 
@@ -255,10 +259,11 @@ fn the_step_of_the_slab_is_two_sweeps_over_particles_around_one_over_nodes() {
             vec![scatter.to_vec(); 2],
             vec![nodes.to_vec()],
             vec![gather.to_vec(); 2],
+            vec![vec!["AdvanceClock"]],
         ]
     );
     let domains: Vec<Domain> = graph.phases.iter().map(|phase| phase.stages[0].domain).collect();
-    assert_eq!(domains, [Domain::Once, Domain::Particles, Domain::Nodes, Domain::Particles]);
+    assert_eq!(domains, [Domain::Once, Domain::Particles, Domain::Nodes, Domain::Particles, Domain::Once]);
     assert_eq!(graph.pruned, [""; 0]);
 }
 
@@ -301,6 +306,7 @@ fn a_scene_has_the_tasks_that_it_asks_for_and_no_others() {
         "Stress",
         "Advance",
         "SignalSpeed",
+        "AdvanceClock",
     ];
     assert_eq!(names(&common::scene(ONE, &[])), plain);
     let loads: &[&str] = &["Loads", "LoadPower"];
@@ -332,12 +338,12 @@ fn a_scene_has_the_tasks_that_it_asks_for_and_no_others() {
 #[test]
 fn labels_that_no_task_uses_take_no_memory() {
     let labels = |overrides| step(&common::scene(ONE, overrides)).particle_labels(0);
-    let unused = [LabelId::ViscousWork, LabelId::DriveIndex, LabelId::ReferencePosition];
+    let unused = [ViscousWork::ID, DriveIndex::ID, ReferencePosition::ID];
     assert!(unused.iter().all(|label| !labels(&[]).contains(label)));
-    assert!(labels(&[("run.viscosity", "{}")]).contains(&LabelId::ViscousWork));
+    assert!(labels(&[("run.viscosity", "{}")]).contains(&ViscousWork::ID));
     let simulation = common::start(common::scene(ONE, &[]));
-    let widths = simulation.warehouse.materials[0].layout.widths;
-    let taken = unused.iter().chain(&[LabelId::History]).map(|label| widths[*label as usize]);
+    let widths = simulation.warehouse.materials[0].layout.widths.clone();
+    let taken = unused.iter().chain(&[History::ID]).map(|label| widths[label.index()]);
     assert_eq!(taken.sum::<usize>(), 0, "neo-hookean keeps no history");
 }
 
@@ -357,9 +363,9 @@ fn the_table_and_json_have_each_task_once() {
     let scene = common::problem("slab-quick", &[]);
     let (graph, cycle) = (step(&scene), rates::at_rest(&scene));
     let tasks = graph.graph.node_count();
-    assert_eq!(tasks, 1 + 6 + 6 + 8 + 5 + 5);
+    assert_eq!(tasks, 1 + 6 + 6 + 8 + 5 + 5 + 1);
 
-    let json = graph.to_json(&cycle).to_string();
+    let json = Shown { graph: &graph, cycle: &cycle }.to_json().to_string();
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let ids: std::collections::BTreeSet<u64> =
         json["tasks"].as_array().expect("tasks").iter().filter_map(|task| task["id"].as_u64()).collect();
@@ -370,6 +376,6 @@ fn the_table_and_json_have_each_task_once() {
     let known = |end: &serde_json::Value| end.as_u64().is_some_and(|id| ids.contains(&id));
     assert!(edges.iter().all(|edge| known(&edge["from"]) && known(&edge["to"])));
 
-    let text = graph.to_text(&cycle);
+    let text = Shown { graph: &graph, cycle: &cycle }.to_text();
     assert_eq!(text.lines().filter(|line| line.starts_with("  ")).count(), tasks, "{text}");
 }

@@ -3,12 +3,13 @@ mod common;
 
 use common::tasks;
 
-use sinew::data::labels::*;
-use sinew::graph::build::TaskGraph;
-use sinew::graph::check::{Hazard, hazards};
-use sinew::graph::error::GraphError;
-use sinew::graph::recipe::{Entry, Recipe};
-use sinew::graph::task::Runnable;
+use engine::graph::build::TaskGraph;
+use engine::graph::check::{Hazard, hazards};
+use engine::graph::error::GraphError;
+use engine::graph::recipe::{Entry, Recipe};
+use engine::graph::task::Runnable;
+use engine::schema::Label;
+use tasks::labels::*;
 
 tasks! {
     Particles make_flow MakeFlow { requires old { mass: Mass } computes { flow: MassFlow } }
@@ -30,8 +31,9 @@ tasks! {
 
 fn build(lines: Vec<(Option<usize>, Box<dyn Runnable>)>) -> (TaskGraph, Vec<GraphError>) {
     let entries = lines.into_iter().map(|(material, task)| Entry { task, material, because: String::new() });
-    let recipe = Recipe { entries: entries.collect(), materials: vec!["wood".into(), "iron".into()] };
-    TaskGraph::inspect(recipe, &[LabelId::Velocity, LabelId::Position, LabelId::Time], 4)
+    let recipe =
+        Recipe { schema: &SCHEMA, entries: entries.collect(), materials: vec!["wood".into(), "iron".into()] };
+    TaskGraph::inspect(recipe, &[Velocity::ID, Position::ID, Time::ID], 4)
 }
 
 macro_rules! lines {
@@ -73,7 +75,7 @@ fn an_edge_that_is_missing_is_a_race() {
     let race = Hazard::Race {
         first: "LookBack[wood]".into(),
         second: "Accelerate[wood]".into(),
-        label: LabelId::Velocity,
+        label: Velocity::ID,
     };
     let words = race.to_string();
     assert_eq!(hazards(&graph, 4, &[]), [race]);
@@ -86,9 +88,9 @@ fn nodes_that_are_read_before_all_have_given_are_found() {
     graph.phases.iter_mut().for_each(|phase| phase.halos.clear());
     let missing = |task: &str, label| Hazard::UndeclaredHalo { task: task.into(), label };
     let all = [
-        missing("Solve", LabelId::NodeSums),
-        missing("Collect[wood]", LabelId::NodeMotion),
-        missing("Collect[iron]", LabelId::NodeMotion),
+        missing("Solve", NodeSums::ID),
+        missing("Collect[wood]", NodeMotion::ID),
+        missing("Collect[iron]", NodeMotion::ID),
     ];
     assert_eq!(hazards(&graph, 4, &[]), all);
     // the nodes solved in the stage that gives to them
@@ -96,7 +98,7 @@ fn nodes_that_are_read_before_all_have_given_are_found() {
     let solve = fused.phases.remove(1);
     fused.phases[0].halos = solve.halos.clone();
     fused.phases[0].stages[0].nodes.extend(&solve.stages[0].nodes);
-    assert!(hazards(&fused, 4, &[]).contains(&missing("Solve", LabelId::NodeSums)));
+    assert!(hazards(&fused, 4, &[]).contains(&missing("Solve", NodeSums::ID)));
 }
 
 #[test]
@@ -104,9 +106,9 @@ fn a_label_that_nobody_reads_is_idle() {
     let mut lines = cycle();
     lines[0] = (WOOD, Box::new(MakeBoth));
     let graph = good(lines);
-    let idle = Hazard::Idle { task: "MakeBoth[wood]".into(), label: LabelId::StressFlow };
+    let idle = Hazard::Idle { task: "MakeBoth[wood]".into(), label: StressFlow::ID };
     assert_eq!(hazards(&graph, 4, &[]), [idle]);
-    assert_eq!(hazards(&graph, 4, &[LabelId::StressFlow]), []);
+    assert_eq!(hazards(&graph, 4, &[StressFlow::ID]), []);
 }
 
 #[test]
@@ -121,7 +123,7 @@ fn a_reduction_that_is_read_before_all_have_added_is_found() {
     let early = good(lines![WOOD => Accelerate, WOOD => Speed, None => Fast, WOOD => LookBackAndAgain]);
     let expected = Hazard::EarlyReduction {
         task: "Fast".into(),
-        label: LabelId::SignalSpeed,
+        label: SignalSpeed::ID,
         contributor: "LookBackAndAgain[wood]".into(),
     };
     assert!(hazards(&early, 4, &[]).contains(&expected), "{:?}", hazards(&early, 4, &[]));
@@ -133,8 +135,7 @@ fn a_reduction_that_is_read_before_all_have_added_is_found() {
 fn what_only_one_of_several_materials_has_is_found() {
     let graph =
         good(lines![WOOD => MakeFlow, WOOD => Spread, None => Solve, WOOD => Collect, IRON => Collect]);
-    let lonely =
-        Hazard::OneMaterial { task: "Solve".into(), label: LabelId::NodeSums, material: "wood".into() };
+    let lonely = Hazard::OneMaterial { task: "Solve".into(), label: NodeSums::ID, material: "wood".into() };
     assert_eq!(hazards(&graph, 4, &[]), [lonely]);
 }
 
@@ -156,9 +157,9 @@ fn shipped_scenes_are_clean() {
     {
         for rates in ["common", "per-material"] {
             let scene = common::problem(name, &[("run.rates", rates)]);
-            let (graph, refusals) = sinew::plan::inspect(&scene, 1);
+            let (graph, refusals) = sinew::lab::plan::inspect(&scene, 1);
             assert_eq!(refusals, []);
-            assert_eq!(hazards(&graph, 4, &sinew::plan::read_by_reports(&scene)), [], "{name}, {rates}");
+            assert_eq!(hazards(&graph, 4, &sinew::lab::plan::read_by_reports(&scene)), [], "{name}, {rates}");
         }
     }
 }

@@ -2,14 +2,16 @@
 mod common;
 
 use common::{Overrides, problem, scene, start};
-use sinew::data::labels::LabelId;
-use sinew::data::shared::MaterialStep;
-use sinew::graph::build::TaskGraph;
-use sinew::graph::diagram::Diagram;
-use sinew::graph::export::Cycle;
-use sinew::graph::traffic::Traffic;
-use sinew::input::scene::Scene;
+use engine::data::rates::MaterialStep;
+use engine::graph::build::TaskGraph;
+use engine::graph::traffic::Traffic;
+use engine::schema::Label;
+use scene::Scene;
+use sinew::lab::diagram::Diagram;
+use sinew::lab::diagram::export::Shown;
+use sinew::simulation::rates::Cycle;
 use sinew::simulation::{rates, step_graph};
+use tasks::labels;
 
 const OWN: Overrides<'_> = &[("run.rates", "per-material")];
 
@@ -25,14 +27,14 @@ fn with<'a>(text: &'a str, word: &str) -> Vec<&'a str> {
 #[test]
 fn a_common_step_is_one_tick_and_the_text_does_not_mention_it() {
     let (graph, cycle) = export(&problem("slab-quick", &[]));
-    let text = graph.to_text(&cycle);
+    let text = Shown { graph: &graph, cycle: &cycle }.to_text();
     assert!(text.starts_with("phase 0: once\n  TimestepSize "), "{text}");
     assert!(text.contains("phase 1: particles, fused chunk by chunk of tissue\n"));
     assert!(!text.contains("tick") && !text.contains("when its step"), "{text}");
     let traffic = Traffic::none(graph.recipe.materials.len());
     let dot = Diagram::collapsed(&graph, &cycle, &traffic, None).to_dot();
     assert!(!dot.contains("cluster_step") && !dot.contains("cluster_tick"));
-    let json = graph.to_json(&cycle);
+    let json = Shown { graph: &graph, cycle: &cycle }.to_json();
     assert_eq!((&json["rates"]["mode"], &json["rates"]["most"]), (&"common".into(), &1.into()));
     assert_eq!(graph.why("TimestepSize"), [("TimestepSize".to_owned(), String::new())]);
 }
@@ -40,7 +42,7 @@ fn a_common_step_is_one_tick_and_the_text_does_not_mention_it() {
 #[test]
 fn the_text_shows_the_tick_in_the_step_and_when_each_material_acts() {
     let (graph, cycle) = export(&problem("slab-quick", OWN));
-    let text = graph.to_text(&cycle);
+    let text = Shown { graph: &graph, cycle: &cycle }.to_text();
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some("step: until all materials are together again"));
     let estimate = lines.next().expect("rates");
@@ -80,8 +82,8 @@ fn dot_draws_the_stages_of_a_material_that_waits_outside_of_the_tick() {
     };
     assert_eq!((at(1, "cluster_step"), at(2, "cluster_tick")), (1, 1), "{clusters:?}");
     assert_eq!((at(2, "particles of tissue"), at(3, "particles of lead")), (2, 2), "{clusters:?}");
-    assert_eq!((at(3, "\"once\""), at(3, "\"nodes\"")), (1, 1), "{clusters:?}");
-    assert_eq!(clusters.len(), 8);
+    assert_eq!((at(3, "\"once\""), at(3, "\"nodes\"")), (2, 1), "{clusters:?}");
+    assert_eq!(clusters.len(), 9);
     for id in graph.graph.node_indices() {
         assert_eq!(dot.matches(&format!("    t{} [label", id.index())).count(), 1);
     }
@@ -92,7 +94,8 @@ fn json_says_when_tasks_run_and_how_often() {
     for (overrides, mode, most) in [(&[][..], "common", 1), (OWN, "per-material", 256)] {
         let (graph, cycle) = export(&problem("slab-quick", overrides));
         let json: serde_json::Value =
-            serde_json::from_str(&graph.to_json(&cycle).to_string()).expect("valid JSON");
+            serde_json::from_str(&Shown { graph: &graph, cycle: &cycle }.to_json().to_string())
+                .expect("valid JSON");
         for task in json["tasks"].as_array().expect("tasks") {
             let wanted = match (&task["material"], task["phase"].as_u64()) {
                 (serde_json::Value::Null, _) => "tick",
@@ -133,7 +136,7 @@ fn the_first_step_is_as_long_as_estimated() {
         let mut simulation = start(scene);
         simulation.step().unwrap_or_else(|e| panic!("{e}"));
         for (material, own) in cycle.own.iter().enumerate() {
-            let step: MaterialStep = simulation.warehouse.shared.get(LabelId::Step, material);
+            let step: MaterialStep = simulation.warehouse.shared.get(labels::OwnStep::ID, material);
             assert_eq!(step.last - step.first, own.ticks as f64);
             assert!((step.size / own.size - 1.0).abs() < 0.01, "{step:?} {own:?}");
         }

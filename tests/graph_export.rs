@@ -2,24 +2,24 @@
 mod common;
 
 use common::{Overrides, problem};
-use sinew::exec::ranks::local::Local;
-use sinew::exec::ranks::{Channel, Network, NetworkError, collective};
-use sinew::graph::build::TaskGraph;
-use sinew::graph::diagram::{Diagram, Kind, MOST_DRAWN};
-use sinew::graph::export::Cycle;
-use sinew::graph::recipe::Why;
-use sinew::graph::task::Domain;
-use sinew::graph::traffic::Messages;
-use sinew::grid::{Level, around};
-use sinew::input::lattice;
-use sinew::input::scene::Scene;
-use sinew::plan::{Plan, plan};
-use sinew::simd::{Isa, Wide};
+use engine::exec::ranks::local::Local;
+use engine::exec::ranks::{Channel, Network, NetworkError, collective};
+use engine::graph::build::TaskGraph;
+use engine::graph::recipe::Why;
+use engine::graph::task::Domain;
+use engine::graph::traffic::{Messages, names};
+use grid::{Level, around};
+use scene::Scene;
+use scene::sampling;
+use simd::{Isa, Wide};
+use sinew::lab::diagram::{Diagram, Kind, MOST_DRAWN};
+use sinew::lab::plan::{Plan, plan};
 use sinew::simulation::layout::level;
+use sinew::simulation::rates::Cycle;
 use sinew::simulation::{Simulation, rates, step_graph};
-use sinew::tasks::timestep;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Barrier, Mutex};
+use tasks::recipes;
 
 struct Shown {
     scene: Scene,
@@ -115,8 +115,8 @@ type Blocks = BTreeMap<(usize, [i32; 3]), ([i32; 3], [i32; 3])>;
 fn blocks(scene: &Scene, level: &Level) -> Blocks {
     let mut blocks = BTreeMap::new();
     for body in &scene.bodies {
-        let half = timestep::half_size(scene, body.material);
-        for x in lattice::sample(scene, body) {
+        let half = recipes::half_size(scene, body.material);
+        for x in sampling::sample(scene, body) {
             let y: [f64; 3] = std::array::from_fn(|a| (x[a] - level.lower[a]) / level.cell - half[a]);
             let block = y.map(|y| (y.floor() as i32).div_euclid(4));
             let (low, high) = blocks.entry((body.material, block)).or_insert(([i32::MAX; 3], [i32::MIN; 3]));
@@ -185,8 +185,8 @@ fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
     {
         let shown = shown(name, &[], patches, 3);
         let traffic = &shown.plan.traffic;
-        let named = |table: &BTreeMap<(usize, usize), sinew::graph::traffic::Lines>| -> Counted {
-            let lines = |lines: &sinew::graph::traffic::Lines| {
+        let named = |table: &BTreeMap<(usize, usize), engine::graph::traffic::Lines>| -> Counted {
+            let lines = |lines: &engine::graph::traffic::Lines| {
                 lines.iter().map(|(&(label, m), &n)| ((label.name().to_owned(), m), n)).collect()
             };
             table.iter().map(|(&pair, list)| (pair, lines(list))).collect()
@@ -205,7 +205,7 @@ fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
         for expanded in [false, true] {
             let diagram = shown.diagram(expanded);
             let sent: u64 = diagram.items.iter().filter(|i| halos(i.kind)).map(|i| i.messages.bytes).sum();
-            let heads = traffic.givers.iter().filter(|((p, to), _)| traffic.rank_of[*p] != *to);
+            let heads = traffic.adders.iter().filter(|((p, to), _)| traffic.rank_of[*p] != *to);
             let heads: u64 = heads.map(|(_, blocks)| 64 * blocks).sum();
             // the motion of rigid bodies travels, although no task takes it
             let rigid = name == "sliding-block";
@@ -222,8 +222,8 @@ fn the_outline_of_a_scene_is_what_a_simulation_begins_with() {
     let mut scene = shown.scene.clone();
     (scene.run.patches, scene.run.threads) = (Some([2, 1, 2]), Some(1));
     let simulation = common::start(scene);
-    let whole = sinew::grid::Partition::alone(4);
-    assert_eq!(sinew::exec::traffic::count(&simulation.warehouse, &whole), shown.plan.traffic);
+    let whole = grid::Partition::alone(4);
+    assert_eq!(engine::exec::traffic::count(&simulation.warehouse, &whole), shown.plan.traffic);
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn an_expanded_graph_has_an_item_for_each_task_where_it_runs() {
         }
     }
     let with = |m: usize| particles.iter().filter(|(_, material)| *material == m).count();
-    let places = |node: &sinew::graph::recipe::Node| match (node.declaration.domain, node.material) {
+    let places = |node: &engine::graph::recipe::Node| match (node.declaration.domain, node.material) {
         (Domain::Once, _) => 4,
         (Domain::Nodes, _) => nodes.len(),
         (_, material) => with(material.expect("a material")),
@@ -383,12 +383,12 @@ fn the_first_step_sends_what_the_graph_shows_to_the_byte() {
             pairs.entry((from, to)).or_default().add(1, 64 * lines as u64);
         }
         let mut wanted: BTreeMap<Channel, BTreeMap<(usize, usize), Messages>> = BTreeMap::new();
-        for (about, pairs) in shown.plan.traffic.by_cause(&shown.graph.phases, &shown.graph.at_end) {
+        for (about, pairs) in shown.plan.traffic.by_cause(&shown.graph) {
+            let exchange = |about| shown.graph.exchanges.iter().position(|e| names(&e.labels) == about);
             let channel = match about.as_str() {
-                "NodeMotion" => Channel::Motion,
                 "relocation" => Channel::Travelers,
                 about if about.starts_with("reduction") => Channel::Reduction,
-                _ => Channel::Sums,
+                about => Channel::Halo(exchange(about).expect("an exchange") as u16),
             };
             let sum = wanted.entry(channel).or_default();
             pairs.iter().for_each(|(&pair, m)| sum.entry(pair).or_default().add(m.count, m.bytes));

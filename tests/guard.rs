@@ -3,11 +3,11 @@
 mod common;
 
 use common::{Overrides, problem};
-use sinew::bench::{Plan, bench};
-use sinew::exec::meter::{Part, Tally, What};
-use sinew::graph::fuse::When;
-use sinew::graph::task::Domain;
-use sinew::simd::{Isa, LANES};
+use engine::exec::meter::{Part, Tally, What};
+use engine::graph::phase::When;
+use engine::graph::task::Domain;
+use simd::{Isa, LANES};
+use sinew::lab::bench::{Plan, bench};
 use sinew::simulation::Simulation;
 
 /// The quick slab a little before the ball meets it, in one thread and two patches.
@@ -65,7 +65,7 @@ fn a_step_passes_twice_over_particles_and_once_over_nodes() {
     let (expected, nodes) =
         ([0, 1].map(|m| chunks(&simulation, m)), simulation.warehouse.node_count() as u64 / 64);
     let tally = metered(&mut simulation);
-    let graph = &simulation.graph;
+    let graph = simulation.graph();
     for material in 0..2 {
         let stages = graph.phases.iter().flat_map(|p| &p.stages).filter(|s| s.material == Some(material));
         let sweeps: Vec<_> = stages.collect();
@@ -99,7 +99,7 @@ fn with_rates_of_their_own_few_particles_move_and_few_nodes_are_visited_in_a_tic
     let (ticks, updates) = (simulation.ticks(), simulation.updates());
     let tally = metered(&mut simulation);
     let (ticks, updates) = (simulation.ticks() - ticks, simulation.updates() - updates);
-    let nodes = simulation.graph.phases.iter().flat_map(|p| &p.stages).find(|s| s.domain == Domain::Nodes);
+    let nodes = simulation.graph().phases.iter().flat_map(|p| &p.stages).find(|s| s.domain == Domain::Nodes);
     let first = nodes.expect("a stage over nodes").entries[0];
     let visits = tally.cost(What::Part(first, Part::SumPartials)).laps;
     let blocks = simulation.warehouse.node_count() as u64 / 64;

@@ -1,11 +1,11 @@
 //! Pictures of a made wound. `SINEW_PICTURES=DIR cargo test --test output_picture` keeps them to be looked at.
 #![allow(clippy::unwrap_used, missing_docs)]
-use sinew::input::geometry::Solid;
-use sinew::input::scene::*;
+use scene::geometry::Solid;
+use scene::*;
+use sinew::lab::picture::{Canvas, Coloring, exit_face, section};
+use sinew::lab::wound;
 use sinew::output::frame::Field;
-use sinew::output::picture::{Canvas, Coloring, exit_face, section};
 use sinew::output::snapshot::Snapshot;
-use sinew::output::wound;
 use std::path::Path;
 
 const MM: f64 = 1e-3;

@@ -1,6 +1,6 @@
 //! Wounds of known size in made slabs, measured.
 #![allow(clippy::unwrap_used, missing_docs)]
-use sinew::output::wound::{Passage, Report, Scale, Tissue, code, measure_tissue};
+use sinew::lab::wound::{Passage, Report, Scale, Tissue, code, measure_tissue};
 
 const MM: f64 = 1e-3;
 const SCALE: Scale = Scale { thickness: 10.0 * MM, spacing: 0.4 * MM, caliber: 9.0 * MM };

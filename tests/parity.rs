@@ -2,8 +2,8 @@
 mod common;
 
 use common::{Overrides, Random, finish, instruction_sets, problem, scene, soft_shot};
-use sinew::input::scene::Scene;
-use sinew::simd::Isa;
+use scene::Scene;
+use simd::Isa;
 use sinew::simulation::{Report, RunError, Simulation};
 
 type Layout = ([usize; 3], usize);
@@ -127,7 +127,7 @@ fn particles_that_leave_are_deleted_the_same_way_everywhere() {
         let left: u64 = report.materials.iter().map(|m| m.particles).sum();
         println!("{isa:?}: {} deleted, {left} left", report.deleted);
         assert!(report.deleted > 100 && left > 100 && report.deleted_energy > 0.0);
-        let all: usize = scene.bodies.iter().map(|body| sinew::input::lattice::count(&scene, body)).sum();
+        let all: usize = scene.bodies.iter().map(|body| scene::sampling::count(&scene, body)).sum();
         assert_eq!(report.deleted + left, all as u64, "every particle is here or accounted for");
     }
 }

@@ -3,13 +3,14 @@
 mod common;
 
 use common::{Overrides, problem, scene};
+use engine::exec::ranks::local::Local;
+use engine::schema::Label;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
-use sinew::data::labels::LabelId;
-use sinew::exec::ranks::local::Local;
-use sinew::input::scene::Scene;
-use sinew::simd::Isa;
+use scene::Scene;
+use simd::Isa;
 use sinew::simulation::{Report, RunError, Simulation};
+use tasks::labels;
 
 /// The hash of all ranks' particles and the report at the end, on one rank in the simplest way.
 fn alone(scene: &Scene) -> (u64, Report) {
@@ -179,9 +180,9 @@ fn gust(simulation: &mut Simulation) {
     let layout = &warehouse.materials[0].layout;
     for block in warehouse.particles.iter_mut().flat_map(|homes| &mut homes[0].blocks) {
         for particle in 0..block.count {
-            let x = block.get(layout, LabelId::Position, particle, 0);
+            let x = block.get(layout, labels::Position::ID, particle, 0);
             if x < -2e-3 {
-                block.set(layout, LabelId::Position, particle, 0, x + 8.7e-3);
+                block.set(layout, labels::Position::ID, particle, 0, x + 8.7e-3);
             }
         }
     }

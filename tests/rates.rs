@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Overrides, add, angular_momentum, finish, minus, momentum, norm, problem, run, scene, start};
-use sinew::input::scene::Scene;
+use scene::Scene;
 use sinew::simulation::{MaterialReport, Report, Simulation};
 
 /// A hard and a soft ball, and a rigid one, that meet; sound is 30 times faster in the hard one.

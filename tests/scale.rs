@@ -3,15 +3,16 @@ mod common;
 
 use assert_cmd::Command;
 use common::problem;
-use sinew::data::labels::LabelId;
-use sinew::plan;
-use sinew::scale::field::Field;
-use sinew::scale::load::{Edge, Listed, Load, Ranks};
-use sinew::scale::model::{Cluster, Costs};
-use sinew::scale::predict::{Outcome, Setup, simulate};
-use sinew::scale::series;
-use sinew::scale::torus::{Brick, Torus};
+use engine::schema::Label;
+use sinew::lab::plan;
+use sinew::lab::scale::field::Field;
+use sinew::lab::scale::load::{Edge, Listed, Load, Ranks};
+use sinew::lab::scale::model::{Cluster, Costs};
+use sinew::lab::scale::predict::{Outcome, Setup, simulate};
+use sinew::lab::scale::series;
+use sinew::lab::scale::torus::{Brick, Torus};
 use sinew::simulation::step_graph;
+use tasks::labels;
 
 fn costs() -> Costs {
     Costs { give: vec![20.0], take: vec![25.0], node: 900.0, contention: 1.0, ..Costs::default() }
@@ -224,9 +225,9 @@ fn ranks_of_a_scene_send_what_the_plan_counts_for_its_first_step() {
         let graph = step_graph(&scene, plan.decomposition.patches.len()).expect("a graph");
         let halo = |label| {
             let phase = graph.phases.iter().find(|phase| phase.halos.contains(&label));
-            plan.traffic.halo(phase.expect("a phase that waits for it"))
+            plan.traffic.halo(phase.expect("a phase that waits for it"), &graph.exchanges)
         };
-        let (sums, motion) = (halo(LabelId::NodeSums), halo(LabelId::NodeMotion));
+        let (sums, motion) = (halo(labels::NodeSums::ID), halo(labels::NodeMotion::ID));
         let mut pairs = std::collections::BTreeSet::new();
         for (from, edges) in listed.edges.iter().enumerate() {
             for edge in edges {

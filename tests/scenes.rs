@@ -1,6 +1,7 @@
 //! The scenes of `problems/` can be read, and what a run writes beside its results is the same scene.
-use sinew::input::scene::Scene;
-use sinew::input::{lattice, read, read_text};
+use scene::Scene;
+use scene::sampling;
+use sinew::input::{read, read_text};
 use std::path::Path;
 
 fn problems() -> impl Iterator<Item = std::path::PathBuf> {
@@ -33,9 +34,9 @@ fn the_slab_of_the_paper_has_as_many_particles() {
     let scene =
         read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/slab"), &[]).expect("a good scene");
     let slab = &scene.bodies[0];
-    assert_eq!(lattice::count(&scene, slab), 1_600_000);
+    assert_eq!(sampling::count(&scene, slab), 1_600_000);
     let lead: f64 = 4.0 / 3.0 * std::f64::consts::PI * 4.5e-3f64.powi(3);
-    let sampled =
-        lattice::count(&scene, &scene.bodies[1]) as f64 * lattice::particle_volume(&scene, &scene.bodies[1]);
+    let sampled = sampling::count(&scene, &scene.bodies[1]) as f64
+        * sampling::particle_volume(&scene, &scene.bodies[1]);
     assert!((sampled / lead - 1.0).abs() < 0.01, "{sampled} m³, not {lead} m³");
 }

@@ -1,5 +1,5 @@
 //! exp and ln of the vector layer keep the errors that they state, on every instruction set.
-use sinew::simd::{Isa, Job, Simd, Wide, math};
+use simd::{Isa, Job, Simd, Wide, math};
 
 #[derive(Clone, Copy)]
 enum Function {

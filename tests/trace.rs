@@ -1,14 +1,14 @@
 //! Traces: what workers of several ranks record comes back from the file as sums, and the file is what Perfetto reads.
 mod common;
 
-use sinew::exec::ranks::local::Local;
-use sinew::exec::ranks::{Alone, Network};
-use sinew::exec::trace::{Event, Kind, Recorder, Track};
-use sinew::graph::build::TaskGraph;
-use sinew::graph::diagram::{Diagram, Kind as Item};
-use sinew::graph::measured::{About, Measured};
+use engine::exec::ranks::local::Local;
+use engine::exec::ranks::{Alone, Network};
+use engine::exec::trace::{Event, Kind, Recorder, Track};
+use engine::graph::build::TaskGraph;
+use sinew::lab::diagram::{Diagram, Kind as Item};
+use sinew::lab::plan::plan;
+use sinew::output::trace::measured::{About, Measured};
 use sinew::output::trace::{read, write};
-use sinew::plan::plan;
 use sinew::simulation::{rates, step_graph};
 use std::path::Path;
 use std::time::Duration;
@@ -99,7 +99,7 @@ fn the_file_is_in_the_trace_event_format() {
     }
 }
 
-fn sum<'a>(measured: &'a Measured, about: &About) -> &'a sinew::graph::measured::Sum {
+fn sum<'a>(measured: &'a Measured, about: &About) -> &'a sinew::output::trace::measured::Sum {
     measured.sum(about).unwrap_or_else(|| panic!("{about:?} is not in {measured:?}"))
 }
 

@@ -4,28 +4,34 @@ mod common;
 use common::{
     Random, angular_momentum, finish, instruction_sets, minus, momentum, norm, numbers, scene, start,
 };
-use sinew::data::labels::LabelId;
-use sinew::for_each_particle_by_class;
-use sinew::physics::shape::BUFFER;
-use sinew::physics::shape::gimp::Gimp;
-use sinew::physics::shape::linear::Linear;
-use sinew::physics::shape::transfer::{gather, scatter};
-use sinew::physics::shape::{NodeRows, Origin, STRIDE, ShapeFunction, Stencil};
-use sinew::simd::{Isa, Job, Simd, Wide};
+use engine::schema::Label;
+use engine::schema::LabelId;
+use grid::{BlockShape, Origin, STRIDE};
+use shapes::for_each_particle_by_class;
+use shapes::gimp::Gimp;
+use shapes::linear::Linear;
+use shapes::transfer::{gather, scatter};
+use shapes::{NodeRows, ShapeFunction, Stencil};
+use simd::{Isa, Job, Simd, Wide};
 use sinew::simulation::Simulation;
 use std::array::from_fn;
+use tasks::labels;
 
 /// Cells of a quarter: powers of two, so that the test rounds nothing itself.
 const CELL: f64 = 0.25;
 /// The buffer of block (2, 0, -1) of a level whose lower corner is (-1, 0.5, 2).
-const ORIGIN: Origin = Origin { node: [7.0, -1.0, -5.0], lower: [-4.0, 2.0, 8.0] };
+fn origin() -> Origin {
+    let shape = BlockShape::new([1; 3]);
+    let strides = shape.buffer_strides.map(f64::from);
+    Origin { node: [7.0, -1.0, -5.0], lower: [-4.0, 2.0, 8.0], strides, shape }
+}
 
 type V3 = [f64; 3];
 type M3 = [[f64; 3]; 3];
 
 /// Where the buffer's node (i, j, k) is [m].
 fn node(index: [usize; 3]) -> V3 {
-    from_fn(|a| (ORIGIN.lower[a] + ORIGIN.node[a] + index[a] as f64) * CELL)
+    from_fn(|a| (origin().lower[a] + origin().node[a] + index[a] as f64) * CELL)
 }
 
 /// All nodes of the buffer: (position, line).
@@ -47,7 +53,7 @@ struct Scattered<'a, F>(F, &'a [V3; 8], &'a NodeRows);
 impl<F: ShapeFunction> Job for Scattered<'_, F> {
     type Output = Vec<Wide>;
     fn run<S: Simd>(self) -> Vec<Wide> {
-        let (stencil, mut nodes) = (stencil::<S, F>(self.0, self.1), vec![Wide::default(); BUFFER]);
+        let (stencil, mut nodes) = (stencil::<S, F>(self.0, self.1), vec![Wide::default(); 8 * STRIDE[0]]);
         let all = [stencil];
         for_each_particle_by_class!(&all, 8, |i, X, Y, Z| scatter::<S, X, Y, Z>(
             &mut nodes, &all[0], i, &self.2[i]
@@ -75,7 +81,7 @@ impl<F: ShapeFunction> Job for Gathered<'_, F> {
 fn stencil<S: Simd, F: ShapeFunction>(shape: F, x: &[V3; 8]) -> Stencil {
     let columns = from_fn(|a| Wide(from_fn(|lane| x[lane][a])));
     let mut stencil: Stencil = bytemuck::Zeroable::zeroed();
-    stencil.fill::<S, F>(&shape, &columns, &ORIGIN, 1.0 / CELL);
+    stencil.fill::<S, F>(&shape, &columns, &origin(), 1.0 / CELL);
     stencil
 }
 
@@ -181,7 +187,7 @@ impl Claim for LinearField {
         let x = positions(random);
         let (start, slope): (V3, M3) = (random.vector(), from_fn(|_| random.vector()));
         let field = |x: V3| -> V3 { from_fn(|i| start[i] + (0..3).map(|a| slope[i][a] * x[a]).sum::<f64>()) };
-        let mut nodes = vec![Wide::default(); BUFFER];
+        let mut nodes = vec![Wide::default(); 8 * STRIDE[0]];
         for (at, line) in self::nodes() {
             let ([a, b, c], [d, e, f]) = (field(at), field(at.map(|x| 2.0 * x)));
             nodes[line] = Wide([a, b, c, 0.0, d, e, f, 0.0]);
@@ -256,7 +262,7 @@ fn angular_momentum_drifts_with_the_square_of_the_cell() {
         common::set_velocity(&mut simulation, |[x, y, _]| [-2.0 * y, 2.0 * x, 0.0]);
         let before = angular_momentum(&simulation.report().expect("one rank"));
         let after = angular_momentum(&finish(&mut simulation).unwrap_or_else(|e| panic!("{e}")));
-        let stress = largest(&simulation, LabelId::KirchhoffStress) / 1e6;
+        let stress = largest(&simulation, labels::KirchhoffStress::ID) / 1e6;
         (norm(minus(after, before)) / norm(before), stress)
     };
     let [coarse, middle, fine] = ["0.5", "0.25", "0.125"].map(drift);
@@ -290,9 +296,9 @@ fn a_body_that_moves_uniformly_stays_free_of_stress() {
             let mut simulation = Simulation::new(scene, isa).unwrap_or_else(|e| panic!("{e}"));
             let report = finish(&mut simulation).unwrap_or_else(|e| panic!("{e}"));
             let cells = report.materials[0].center[0] / 0.5 + 19.0;
-            let stress = largest(&simulation, LabelId::KirchhoffStress) / 1e6;
+            let stress = largest(&simulation, labels::KirchhoffStress::ID) / 1e6;
             let apart = |now: &Vec<f64>| norm(minus([now[0], now[1], now[2]], v));
-            let change = numbers(&simulation, LabelId::Velocity).iter().map(apart).fold(0.0, f64::max);
+            let change = numbers(&simulation, labels::Velocity::ID).iter().map(apart).fold(0.0, f64::max);
             println!(
                 "{isa:?} {shape}, {cells:.0} cells on: stress {stress:.0e} K, velocity {change:.0e} m/s"
             );

@@ -144,7 +144,7 @@ pub(super) fn hilbert(mut x: [u32; 3]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::Level;
+    use crate::Level;
 
     #[test]
     fn the_curve_visits_every_point_once_and_goes_to_neighbors() {

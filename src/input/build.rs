@@ -2,11 +2,11 @@
 use super::document::Node;
 use super::error::{Fault, Outcome, suggestion};
 use super::fields::{FACES, RIGID};
-use super::geometry::dot;
-use super::scene::*;
 use super::shapes::{solid, unit_vector};
-use crate::physics::materials::LAWS;
-use crate::physics::parameter::{Kind, Values};
+use physics::materials::LAWS;
+use physics::parameter::{Kind, Values};
+use scene::geometry::dot;
+use scene::*;
 
 /// The scene of a completed document, without `name`, `lines` and `resolved`.
 pub(super) fn scene(root: &Node) -> Outcome<Scene> {

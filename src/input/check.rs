@@ -4,7 +4,7 @@ use super::document::{Data, Entry, Node, Place, dotted};
 use super::error::{Fault, Outcome, listing, suggestion};
 use super::form::{Absent, Counts, Field, Form, Range};
 use super::units;
-use crate::physics::parameter::Dimension;
+use physics::parameter::Dimension;
 
 /// The document as `form` wants it.
 pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {

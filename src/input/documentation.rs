@@ -3,7 +3,7 @@ use super::fields::SCENE;
 use super::form::{Absent, Field, Form};
 use super::shapes::SHAPE;
 use super::units;
-use crate::physics::parameter::Dimension;
+use physics::parameter::Dimension;
 use std::fmt::Write;
 
 const INTRODUCTION: &str = "\

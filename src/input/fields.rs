@@ -1,8 +1,8 @@
 //! Every field of a scene. Checks, defaults and `docs/SCENE.md` come from here.
 use super::form::{Absent, Case, Counts, Field, Form, Range, any, count_from, not_negative, positive};
 use super::shapes::SHAPE;
-use crate::physics::materials::LAWS;
-use crate::physics::parameter::Dimension::{
+use physics::materials::LAWS;
+use physics::parameter::Dimension::{
     Acceleration, Angle, AngularVelocity, Density, Length, One, Rate, Time, Velocity,
 };
 
@@ -88,7 +88,7 @@ static RIGID_FIELDS: &[Field] = &[
 ];
 
 fn laws() -> Vec<Case> {
-    let law = |entry: &crate::physics::materials::Entry| Case {
+    let law = |entry: &physics::materials::Entry| Case {
         word: entry.name,
         summary: entry.summary,
         fields: entry.parameters.iter().map(Field::from).collect(),

@@ -1,5 +1,5 @@
 //! What a scene may say, as data: from one description of a field come its checks, its default and its documentation.
-use crate::physics::parameter::{Dimension, Kind, Parameter};
+use physics::parameter::{Dimension, Kind, Parameter};
 
 /// A key of a table.
 #[derive(Clone, Copy)]

@@ -3,8 +3,8 @@ use super::document::{self, Data, Entry, Node, Source, parse};
 use super::error::{Outcome, SceneError};
 use super::fields::SCENE;
 use super::form::Form;
-use super::scene::Scene;
 use super::{build, check, validate};
+use scene::Scene;
 use std::path::Path;
 
 /// Name of the file in a scene's folder.

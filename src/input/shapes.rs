@@ -2,8 +2,8 @@
 use super::document::Node;
 use super::error::{Fault, Outcome};
 use super::form::{Absent, Field, Form, any, not_negative, positive};
-use super::geometry::{Solid, direction, rotation};
-use crate::physics::parameter::Dimension::{Angle, Length, One};
+use physics::parameter::Dimension::{Angle, Length, One};
+use scene::geometry::{Solid, direction, rotation};
 
 const POINT: Form = Form::Vector(Length, 3);
 const DIRECTION: Form = Form::Vector(One, 3);

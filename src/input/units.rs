@@ -1,5 +1,5 @@
 //! Numbers with units, as scenes write them: `"0.5 mm"`, `"46 GPa"`; a bare number is in SI.
-use crate::physics::parameter::Dimension;
+use physics::parameter::Dimension;
 
 /// A unit is `factor` · 10^`power` of the SI unit. The power is applied to the decimal text, so that `"0.1 mm"` is the same
 /// double as `1e-4`.

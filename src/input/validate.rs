@@ -1,9 +1,9 @@
 //! What a scene must fulfil as a whole: its matter lies in the domain, apart, and in memory.
 use super::document::Node;
 use super::error::{Fault, Outcome, Point};
-use super::geometry::overlap;
-use super::lattice::{cells, inside, points, sample};
-use super::scene::{Behavior, Body, Domain, RigidMotion, Scene};
+use scene::geometry::overlap;
+use scene::sampling::{cells, inside, points, sample};
+use scene::{Behavior, Body, Domain, RigidMotion, Scene};
 use std::ops::Range;
 
 /// Bytes that a particle takes in a run, with its share of the nodes: an estimate for the check of memory.

@@ -1,5 +1,5 @@
 //! What can go wrong with an output file: which file, what happened, what to do.
-use crate::exec::ranks::NetworkError;
+use engine::exec::ranks::NetworkError;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 

@@ -4,13 +4,13 @@ pub mod compare;
 pub(crate) mod error;
 pub mod frame;
 pub mod history;
-pub mod picture;
+pub mod parcel;
 pub mod snapshot;
 pub mod space;
 pub mod summary;
+pub mod together;
 pub mod trace;
 pub mod vtkhdf;
-pub mod wound;
 
 pub(crate) use error::io;
 pub use error::{Error, Result};

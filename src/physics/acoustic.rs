@@ -1,6 +1,6 @@
 //! How fast waves can travel: a bound of the acoustic tensor that needs no eigenvalues.
 use super::tensor::principal_bounds;
-use crate::simd::Simd;
+use simd::Simd;
 
 /// What resists a plane wave in the present state, per reference volume [Pa].
 ///

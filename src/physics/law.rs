@@ -1,6 +1,6 @@
 //! What a constitutive law is to the rest of Sinew: a pure function of one particle's deformation and
 //! history, written once for eight particles at a time.
-use crate::simd::{Mask, Simd};
+use simd::{Mask, Simd};
 
 /// The most numbers of history that a law may keep per particle.
 pub const MAX_HISTORY: usize = 12;

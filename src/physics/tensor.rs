@@ -3,7 +3,7 @@
 //!
 //! Loops rather than `map` or `from_fn`: the standard library may be compiled as functions of its own,
 //! without the instruction set of the caller.
-use crate::simd::Simd;
+use simd::Simd;
 
 /// det A
 #[inline(always)]

@@ -1,5 +1,5 @@
 //! Artificial viscosity, which spreads a shock over a few cells.
-use crate::simd::Simd;
+use simd::Simd;
 
 /// Pressure of von Neumann & Richtmyer (1950, quadratic) and Landshoff (1955, linear).
 #[derive(Clone, Copy, Debug, PartialEq)]

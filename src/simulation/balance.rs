@@ -1,8 +1,8 @@
 //! Ranks share the work anew as it changes: patches move where their measured costs are borne evenly. No bit of the result
 //! depends on it.
 use super::{RunError, Simulation};
-use crate::exec::ranks::collective;
-use crate::grid::Partition;
+use engine::exec::ranks::collective;
+use grid::Partition;
 
 /// Steps in which work is weighed before patches may move.
 const WEIGHED: u64 = 5;

@@ -1,14 +1,15 @@
 //! What can go wrong in a run, with particle, patch, task, time and a remedy.
-use crate::data::labels::LabelId;
-use crate::data::shared::Clock;
-use crate::data::warehouse::Warehouse;
-use crate::exec::ranks::NetworkError;
-use crate::exec::traveler::Left;
-use crate::graph::error::GraphError;
-use crate::grid::Level;
-use crate::input::scene::Scene;
-use crate::simd::Wide;
-use crate::tasks::stress::fault;
+use engine::data::rates::Clock;
+use engine::data::warehouse::Warehouse;
+use engine::exec::ranks::NetworkError;
+use engine::exec::traveler::Traveler;
+use engine::graph::error::GraphError;
+use engine::schema::Label;
+use grid::Level;
+use scene::Scene;
+use simd::Wide;
+use tasks::labels;
+use tasks::stress::fault;
 
 /// Why a run could not begin or had to stop.
 #[derive(Debug, thiserror::Error)]
@@ -25,6 +26,16 @@ pub enum RunError {
     /// A checkpoint that cannot be read, or does not fit.
     #[error("{0}")]
     Checkpoint(#[from] crate::output::Error),
+    /// A loop that did not end.
+    #[error(
+        "the ticks of step {step} did not end after {rounds}. This is an error in Sinew, please report it"
+    )]
+    Rounds {
+        /// Ticks taken.
+        rounds: u64,
+        /// The step.
+        step: u64,
+    },
     /// The pool of threads did not start.
     #[error("threads did not start: {0}; try fewer with --threads")]
     Pool(#[from] rayon::ThreadPoolBuildError),
@@ -110,7 +121,8 @@ fn millimeters(x: &[f64; 3]) -> String {
 
 /// The fault that the last step reported, if any: the one with the smallest identity.
 pub fn find(scene: &Scene, warehouse: &Warehouse, time: f64, step: u64) -> Option<RunError> {
-    let faults = (0..scene.materials.len()).map(|m| (m, warehouse.shared.get::<Wide>(LabelId::Fault, m).0));
+    let faults =
+        (0..scene.materials.len()).map(|m| (m, warehouse.shared.get::<Wide>(labels::Fault::ID, m).0));
     let (material, line) =
         faults.filter(|(_, line)| line[0].is_finite()).min_by(|a, b| a.1[0].total_cmp(&b.1[0]))?;
     let [identity, kind, value, x, y, z, ..] = line;
@@ -140,7 +152,7 @@ pub fn find(scene: &Scene, warehouse: &Warehouse, time: f64, step: u64) -> Optio
 }
 
 /// The error of a particle that left.
-pub fn left(scene: &Scene, first: &Left, number: usize, time: f64) -> RunError {
+pub fn left(scene: &Scene, first: &Traveler, number: usize, time: f64) -> RunError {
     RunError::Left {
         identity: first.identity,
         material: scene.materials[first.material].name.clone(),
@@ -155,7 +167,7 @@ pub fn left(scene: &Scene, first: &Left, number: usize, time: f64) -> RunError {
 pub fn collapsed(scene: &Scene, clock: &Clock, number: u64) -> RunError {
     let material = scene.materials.get(clock.limited_by as usize).map_or("no material", |m| m.name.as_str());
     RunError::Collapsed {
-        step: clock.step,
+        step: clock.tick,
         time: clock.time,
         number,
         speed: clock.speed,

@@ -1,6 +1,7 @@
 //! A fingerprint of the state.
-use crate::data::labels::LabelId;
-use crate::data::warehouse::Warehouse;
+use engine::data::warehouse::Warehouse;
+use engine::schema::Label;
+use tasks::labels;
 
 /// Mixes a word into a running hash (the finalizer of MurmurHash3 between additions).
 fn mix(hash: u64, word: u64) -> u64 {
@@ -20,7 +21,7 @@ pub fn particles(warehouse: &Warehouse) -> u64 {
         for particle in 0..block.count {
             record.clear();
             block.read(layout, particle, &mut record);
-            let identity = block.get(layout, LabelId::Identity, particle, 0).to_bits();
+            let identity = block.get(layout, labels::Identity::ID, particle, 0).to_bits();
             let start = mix(identity, material as u64);
             total = total.wrapping_add(record.iter().fold(start, |h, x| mix(h, x.to_bits())));
         }
@@ -30,6 +31,6 @@ pub fn particles(warehouse: &Warehouse) -> u64 {
 
 /// The hash of the state, from the sum over all particles.
 pub fn state(total: u64, warehouse: &Warehouse) -> u64 {
-    let shared = warehouse.shared.column(LabelId::RigidMotion).iter().flat_map(|line| line.0);
+    let shared = warehouse.shared.column(labels::RigidMotion::ID).iter().flat_map(|line| line.0);
     shared.fold(total, |h, x| mix(h, x.to_bits()))
 }

@@ -1,9 +1,9 @@
 //! How a scene is cut into patches.
-use crate::grid::{BlockIndex, Decomposition, Level};
-use crate::input::lattice;
-use crate::input::scene::Scene;
-use crate::tasks::timestep;
+use grid::{BlockIndex, Decomposition, Level};
+use scene::Scene;
+use scene::sampling;
 use std::collections::BTreeMap;
+use tasks::recipes;
 
 /// The level of a scene.
 pub fn level(scene: &Scene) -> Level {
@@ -39,8 +39,8 @@ pub fn cut(
 fn census(scene: &Scene, level: &Level) -> Vec<(BlockIndex, u64)> {
     let mut blocks = BTreeMap::new();
     for body in &scene.bodies {
-        let half_size = timestep::half_size(scene, body.material);
-        for x in lattice::sample(scene, body) {
+        let half_size = recipes::half_size(scene, body.material);
+        for x in sampling::sample(scene, body) {
             let block = Level::block_of(level.base_node(x, half_size));
             *blocks.entry(block).or_default() += 1;
         }

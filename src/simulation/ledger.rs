@@ -1,15 +1,20 @@
 //! Accounts of energy and momentum over a run.
 use super::failure_index;
-use crate::data::exact_sum::ExactSum;
-use crate::data::labels::LabelId;
-use crate::data::shared::Clock;
-use crate::data::warehouse::{Shared, Warehouse};
-use crate::exec::traveler::Left;
-use crate::input::scene::Scene;
-use crate::simd::Wide;
+use engine::data::exact_sum::ExactSum;
+use engine::data::rates::Clock;
+use engine::data::shared::Shared;
+use engine::data::warehouse::MaterialData;
+use engine::data::warehouse::Warehouse;
+use engine::exec::traveler::Traveler;
+use engine::schema::Label;
+use engine::schema::LabelId;
+use scene::Scene;
+use simd::Wide;
+use tasks::labels;
 
 /// What the report graph computes.
-pub const REPORTED: &[LabelId] = &[LabelId::MaterialEnergy, LabelId::MaterialMotion, LabelId::FailedCount];
+pub const REPORTED: &[LabelId] =
+    &[labels::MaterialEnergy::ID, labels::MaterialMotion::ID, labels::FailedCount::ID];
 
 /// Energies of one material [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -184,15 +189,15 @@ impl Ledger {
 
     /// Adds what the last step exchanged.
     pub fn add_step(&mut self, shared: &Shared) {
-        let work: [ExactSum; 2] = shared.get(LabelId::ContactWork, 0);
+        let work: [ExactSum; 2] = shared.get(labels::ContactWork::ID, 0);
         self.friction += work[0].value();
         self.impact += work[1].value();
-        self.transfer += shared.get::<ExactSum>(LabelId::TransferLoss, 0).value();
-        let boundary: [ExactSum; 4] = shared.get(LabelId::BoundaryWork, 0);
+        self.transfer += shared.get::<ExactSum>(labels::TransferLoss::ID, 0).value();
+        let boundary: [ExactSum; 4] = shared.get(labels::BoundaryWork::ID, 0);
         self.boundary_work += boundary[0].value();
         (0..3).for_each(|a| self.boundary_impulse[a] += boundary[1 + a].value());
         for (material, known) in self.first_failure.iter_mut().enumerate() {
-            let lines: [Wide; 2] = shared.get(LabelId::FirstFailure, material);
+            let lines: [Wide; 2] = shared.get(labels::FirstFailure::ID, material);
             for (known, line) in
                 known.iter_mut().zip(lines).filter(|(k, line)| k.is_none() && line.0[0].is_finite())
             {
@@ -208,19 +213,21 @@ impl Ledger {
     }
 
     /// Counts a particle that left the domain.
-    pub fn delete(&mut self, left: &Left) {
+    pub fn delete(&mut self, left: &Traveler, materials: &[MaterialData]) {
+        let (mass, velocity) =
+            (left.numbers(materials, labels::Mass::ID)[0], left.numbers(materials, labels::Velocity::ID));
         self.deleted += 1;
-        self.deleted_energy += 0.5 * left.mass * left.velocity.iter().map(|v| v * v).sum::<f64>();
+        self.deleted_energy += 0.5 * mass * velocity.iter().map(|v| v * v).sum::<f64>();
     }
 
     /// The accounts, from what the report graph has just summed.
     pub fn report(&self, scene: &Scene, warehouse: &Warehouse, steps: u64) -> Report {
-        let clock: Clock = warehouse.shared.get(LabelId::Time, 0);
+        let clock: Clock = warehouse.shared.get(labels::Time::ID, 0);
         let limit = scene.materials.get(clock.limited_by as usize).filter(|_| clock.limited_by >= 0.0);
         let mut report = Report {
             time: clock.time,
             steps,
-            step: clock.step,
+            step: clock.tick,
             limited_by: limit.map_or("end", |m| &m.name).to_owned(),
             materials: (0..scene.materials.len()).map(|m| self.material(scene, warehouse, m)).collect(),
             friction: self.friction,
@@ -247,9 +254,9 @@ impl Ledger {
             let width = sums.len() / warehouse.materials.len();
             sums[material * width..][range].iter().map(ExactSum::value).collect()
         };
-        let energy = values(LabelId::MaterialEnergy, 0..5);
-        let motion = values(LabelId::MaterialMotion, 0..10);
-        let failed = values(LabelId::FailedCount, 0..4);
+        let energy = values(labels::MaterialEnergy::ID, 0..5);
+        let motion = values(labels::MaterialMotion::ID, 0..10);
+        let failed = values(labels::FailedCount::ID, 0..4);
         let vector = |first: usize| [motion[first], motion[first + 1], motion[first + 2]];
         let blocks = warehouse.blocks().filter(|(m, _)| *m == material);
         MaterialReport {

@@ -1,8 +1,8 @@
 //! The same simulation on other workers, and what its steps take.
 use super::{RunError, Simulation, Workers};
-use crate::exec::Engine;
-use crate::exec::meter::Tally;
-use crate::simd::Isa;
+use engine::exec::Engine;
+use engine::exec::meter::Tally;
+use simd::Isa;
 
 impl Simulation {
     /// Goes on from here on `threads` threads and another instruction set, with the same patches. The first step after it

@@ -1,12 +1,13 @@
 //! A run: a scene becomes particles and graphs, steps are taken, faults become errors.
 mod balance;
 mod checkpoint;
+mod conduct;
 pub mod fault;
 mod hash;
 pub mod layout;
+mod leaving;
 pub mod ledger;
 mod meter;
-mod parcel;
 pub mod populate;
 pub mod rates;
 pub mod recorder;
@@ -18,40 +19,48 @@ pub use fault::RunError;
 pub use ledger::{Energies, Ledger, MaterialReport, Report};
 pub use snapshot::Snapshot;
 
-use crate::data::labels::LabelId;
-use crate::data::shared::Clock;
-use crate::data::warehouse::Warehouse;
-use crate::exec::meter::What;
-pub use crate::exec::ranks::launch::available_threads;
-use crate::exec::ranks::{Alone, Network, NetworkError, collective};
-use crate::exec::relocate::Relocation;
-use crate::exec::{Engine, Executor, Serial, Threads};
-use crate::graph::build::TaskGraph;
-use crate::graph::error::GraphError;
-use crate::grid::{Decomposition, Partition};
-use crate::input::scene::{Behavior, Leaving, Rates, Scene};
 use crate::output;
-use crate::simd::Isa;
-use crate::tasks::timestep;
+use conduct::{Direction, Reporting};
+use engine::data::rates::Clock;
+use engine::data::warehouse::Warehouse;
+pub use engine::exec::ranks::launch::available_threads;
+use engine::exec::ranks::{Alone, Network, NetworkError, collective};
+use engine::exec::{Engine, Executor, Serial, Threads};
+use engine::graph::build::TaskGraph;
+use engine::graph::error::GraphError;
+use engine::program::{Program, Script};
+use engine::schema::{Label, LabelId};
+use grid::{Decomposition, Partition};
+use scene::{Behavior, Rates, Scene};
+use simd::Isa;
 use std::path::Path;
+use tasks::{labels, recipes};
 
 /// Labels that runs want besides what the next step reads.
 const WANTED: &[LabelId] = &[
-    LabelId::Time,
-    LabelId::Fault,
-    LabelId::FirstFailure,
-    LabelId::ContactWork,
-    LabelId::BoundaryWork,
-    LabelId::TransferLoss,
-    LabelId::BlockExtent,
+    labels::Time::ID,
+    labels::Fault::ID,
+    labels::FirstFailure::ID,
+    labels::ContactWork::ID,
+    labels::BoundaryWork::ID,
+    labels::TransferLoss::ID,
+    labels::BlockExtent::ID,
 ];
 
-/// The graph of one step of `scene` on `patches` patches.
+/// The program of one step of `scene` on `patches` patches.
 ///
 /// # Errors
 /// A fault of the recipe: an error in Sinew, not in the scene.
+pub fn step_program(scene: &Scene, patches: usize) -> Result<Program, GraphError> {
+    Program::build("step", recipes::step(scene), WANTED, patches)
+}
+
+/// The graph of a tick of `scene` on `patches` patches.
+///
+/// # Errors
+/// As [`step_program`].
 pub fn step_graph(scene: &Scene, patches: usize) -> Result<TaskGraph, GraphError> {
-    TaskGraph::build(timestep::timestep(scene), WANTED, patches)
+    step_program(scene, patches).map(Program::into_main_graph)
 }
 
 /// Serial or threaded.
@@ -100,9 +109,9 @@ pub struct Simulation {
     pub scene: Scene,
     /// All data.
     pub warehouse: Warehouse,
-    /// The graph of a step.
-    pub graph: TaskGraph,
-    report_graph: TaskGraph,
+    /// The program of a step.
+    pub program: Program,
+    report_program: Program,
     engine: Engine<Workers>,
     network: Box<dyn Network>,
     ledger: Ledger,
@@ -127,10 +136,11 @@ impl Simulation {
     pub fn on(network: Box<dyn Network>, scene: Scene, isa: Isa) -> Result<Self, RunError> {
         let mut simulation = Self::assemble(network, scene, isa, layout::decompose, populate::populate)?;
         // what the first step reads, too
-        let wanted: Vec<LabelId> = WANTED.iter().chain(&simulation.graph.carried).copied().collect();
+        let wanted: Vec<LabelId> = WANTED.iter().chain(&simulation.graph().carried).copied().collect();
         let patches = simulation.warehouse.decomposition.patches.len();
-        let start = TaskGraph::build(timestep::start(&simulation.scene), &wanted, patches)?;
-        simulation.begin(&start)?;
+        let start = Script::Graph("start", recipes::start(&simulation.scene));
+        let start = Program::build("start", vec![start], &wanted, patches)?;
+        simulation.execute(Some(&start))?;
         simulation.updates = 0;
         let report = simulation.report()?;
         simulation.ledger.begin(&report);
@@ -151,24 +161,40 @@ impl Simulation {
         let partition = Partition::by_cost(&decomposition, &loads, network.rank(), network.size())
             .map_err(RunError::Patches)?;
         let patches = decomposition.patches.len();
-        let graph = step_graph(&scene, patches)?;
-        let report_graph = TaskGraph::build(timestep::report(&scene), ledger::REPORTED, patches)?;
-        let labels = |material| populate::layout_of(&scene, &graph, material);
-        let mut warehouse = populate::empty(&scene, decomposition, partition, labels);
+        let program = step_program(&scene, patches)?;
+        let report = Script::Graph("report", recipes::report(&scene));
+        let report_program = Program::build("report", vec![report], ledger::REPORTED, patches)?;
+        let labels = |material| populate::layout_of(&scene, &program, material);
+        let mut warehouse = populate::empty(&scene, decomposition, partition, labels, program.labels());
         fill(&scene, &mut warehouse)?;
         let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
         let (ledger, balance) = (Ledger::default(), Balance::default());
         let (steps, updates) = (0, 0);
-        Ok(Self { scene, warehouse, graph, report_graph, engine, network, ledger, steps, updates, balance })
+        Ok(Self {
+            scene,
+            warehouse,
+            program,
+            report_program,
+            engine,
+            network,
+            ledger,
+            steps,
+            updates,
+            balance,
+        })
     }
 
-    /// The state before the first step.
-    fn begin(&mut self, start: &TaskGraph) -> Result<(), RunError> {
-        let Self { engine, warehouse, network, .. } = self;
-        engine.run(start, warehouse, &mut **network)?;
-        let relocation = engine.relocate(start, warehouse, &mut **network, false)?;
-        self.check_faults()?;
-        self.carry_out(relocation)
+    /// The graph of a tick.
+    pub fn graph(&self) -> &TaskGraph {
+        self.program.main_graph()
+    }
+
+    /// Runs a program: that of a step, or another one.
+    fn execute(&mut self, other: Option<&Program>) -> Result<(), RunError> {
+        let Self { scene, warehouse, program, engine, network, ledger, steps, updates, .. } = self;
+        let (level, clock) = (warehouse.level, warehouse.shared.get(labels::Time::ID, 0));
+        let mut direction = Direction { scene, level, ledger, updates, step: *steps, clock };
+        engine.execute(other.unwrap_or(program), warehouse, &mut **network, &mut direction)
     }
 
     /// Takes one step, after which all materials are together; returns false when the end of the run was reached before.
@@ -179,30 +205,11 @@ impl Simulation {
         if self.finished() {
             return Ok(false);
         }
-        self.tick()?;
-        while self.clock().number < self.clock().last {
-            self.tick()?;
-        }
+        self.engine.trace().set_step(self.steps);
+        self.execute(None)?;
         self.steps += 1;
         self.share_load()?;
         Ok(true)
-    }
-
-    /// The part of a step that the fastest material takes at once.
-    fn tick(&mut self) -> Result<(), RunError> {
-        self.engine.trace().set_step(self.steps);
-        let reflect = self.scene.run.leaving == Leaving::Reflect;
-        let Self { engine, graph, warehouse, network, .. } = self;
-        engine.run(graph, warehouse, &mut **network)?;
-        let relocation = engine.relocate(graph, warehouse, &mut **network, reflect)?;
-        let mut clock = self.clock();
-        self.check_step(&clock)?;
-        self.check_faults()?;
-        clock.number += 1.0;
-        clock.time = if clock.number < clock.last { clock.time + clock.step } else { clock.end };
-        self.warehouse.shared.set(LabelId::Time, 0, clock);
-        self.ledger.add_step(&self.warehouse.shared);
-        self.carry_out(relocation)
     }
 
     /// Goes on with other time steps, from the next step on.
@@ -211,7 +218,7 @@ impl Simulation {
     /// A fault of the recipe: an error in Sinew.
     pub fn set_rates(&mut self, rates: Rates) -> Result<(), RunError> {
         self.scene.run.rates = rates;
-        self.graph = step_graph(&self.scene, self.warehouse.decomposition.patches.len())?;
+        self.program = step_program(&self.scene, self.warehouse.decomposition.patches.len())?;
         self.warehouse.own_rates = rates != Rates::Common;
         self.warehouse.stale = true;
         Ok(())
@@ -235,7 +242,7 @@ impl Simulation {
 
     /// Time and step size.
     pub fn clock(&self) -> Clock {
-        self.warehouse.shared.get(LabelId::Time, 0)
+        self.warehouse.shared.get(labels::Time::ID, 0)
     }
 
     /// Bytes of particle data, and of node data with the buffers that feed it.
@@ -274,9 +281,9 @@ impl Simulation {
     /// # Errors
     /// A file that cannot be written, or a rank that is gone.
     pub fn write_trace(&mut self, path: &Path) -> output::Result<()> {
-        let Self { engine, graph, network, .. } = self;
-        let written = output::trace::write(path, graph, engine.trace(), &mut **network);
-        together::agree(&mut **network, written)
+        let Self { engine, program, network, .. } = self;
+        let written = output::trace::write(path, program.main_graph(), engine.trace(), &mut **network);
+        output::together::agree(&mut **network, written)
     }
 
     /// Instruction set that runs.
@@ -294,9 +301,8 @@ impl Simulation {
     /// # Errors
     /// If a rank is gone.
     pub fn report(&mut self) -> Result<Report, NetworkError> {
-        let Self { engine, report_graph: graph, warehouse, network, .. } = self;
-        engine.run(graph, warehouse, &mut **network)?;
-        engine.reduce(None, &graph.at_end, &mut warehouse.shared, &mut **network)?;
+        let Self { engine, report_program, warehouse, network, .. } = self;
+        engine.execute(report_program, warehouse, &mut **network, &mut Reporting)?;
         let mut report = self.ledger.report(&self.scene, &self.warehouse, self.steps);
         together::count_particles(&mut *self.network, &mut report)?;
         Ok(report)
@@ -313,31 +319,6 @@ impl Simulation {
     /// The particles of this rank, for output.
     pub fn snapshot(&self) -> Snapshot<'_> {
         Snapshot::new(&self.scene, &self.warehouse)
-    }
-
-    fn carry_out(&mut self, relocation: Relocation) -> Result<(), RunError> {
-        self.updates += relocation.particles;
-        self.ledger.reflect(relocation.reflected);
-        if let Some(first) = relocation.left().first() {
-            if self.scene.run.leaving == Leaving::Error {
-                return Err(fault::left(&self.scene, first, relocation.left().len(), self.clock().time));
-            }
-            relocation.left().iter().for_each(|particle| self.ledger.delete(particle));
-        }
-        let (warehouse, engine) = (&mut self.warehouse, &self.engine);
-        engine.metered(What::Relocation, || relocation.carry_out(warehouse));
-        Ok(())
-    }
-
-    fn check_step(&self, clock: &Clock) -> Result<(), RunError> {
-        if clock.step > 0.0 && (clock.step >= self.scene.run.smallest_step || clock.limited_by < 0.0) {
-            return Ok(());
-        }
-        Err(fault::collapsed(&self.scene, clock, self.steps))
-    }
-
-    fn check_faults(&self) -> Result<(), RunError> {
-        fault::find(&self.scene, &self.warehouse, self.clock().time, self.steps).map_or(Ok(()), Err)
     }
 }
 

@@ -1,17 +1,22 @@
 //! From bodies to particles.
 use super::fault::RunError;
-use crate::data::labels::LabelId;
-use crate::data::particles::Layout;
-use crate::data::shared::{Clock, RigidState};
-use crate::data::warehouse::{MaterialData, Warehouse};
-use crate::graph::build::TaskGraph;
-use crate::grid::{Decomposition, Partition};
-use crate::input::lattice;
-use crate::input::scene::{Behavior, Body, Rates, RigidMotion, Scene};
-use crate::physics::law::{Law, Variable};
-use crate::physics::materials::WithLaw;
-use crate::tasks::timestep;
+use engine::data::layout::ParticleLayout;
+use engine::data::rates::Clock;
+use engine::data::warehouse::{MaterialData, Warehouse};
+use engine::program::Program;
+use engine::schema::{Label, LabelId};
+use grid::{Decomposition, Partition};
 use nalgebra::{Matrix3, Vector3};
+use physics::law::{Law, Variable};
+use physics::materials::WithLaw;
+use scene::sampling;
+use scene::{Behavior, Body, Rates, RigidMotion, Scene};
+use tasks::labels::{
+    DriveIndex, History, Identity, InitialVolume, Mass, Position, ReferencePosition,
+    RigidMotion as RigidMotionLabel, SCHEMA, Time, Velocity, Volume,
+};
+use tasks::recipes;
+use tasks::rigid::state::RigidState;
 
 /// Puts the particles of `scene` into the patches of this rank.
 ///
@@ -28,7 +33,7 @@ pub fn populate(scene: &Scene, warehouse: &mut Warehouse) -> Result<(), RunError
         add_body(scene, body, warehouse, &mut identity)?;
     }
     let clock = Clock { until: scene.run.until, ..bytemuck::Zeroable::zeroed() };
-    warehouse.shared.set(LabelId::Time, 0, clock);
+    warehouse.shared.set(Time::ID, 0, clock);
     (0..scene.materials.len()).for_each(|m| start_rigid(scene, warehouse, m));
     Ok(())
 }
@@ -38,27 +43,30 @@ pub fn empty(
     scene: &Scene,
     decomposition: Decomposition,
     partition: Partition,
-    layout: impl Fn(usize) -> Layout,
+    layout: impl Fn(usize) -> ParticleLayout,
+    node_labels: impl IntoIterator<Item = LabelId>,
 ) -> Warehouse {
     let touches = |a: usize, b: usize| scene.contacts.iter().any(|c| c.between == [a.min(b), a.max(b)]);
     let all = 0..scene.materials.len();
     let materials = all.clone().map(|material| MaterialData {
         name: scene.materials[material].name.clone(),
         layout: layout(material),
-        half_size: timestep::half_size(scene, material),
-        contacts: all.clone().map(|other| touches(material, other)).collect(),
+        half_size: recipes::half_size(scene, material),
+        fields: 1,
+        interacts: all.clone().map(|other| touches(material, other)).collect(),
     });
-    let mut warehouse =
-        Warehouse::new(super::layout::level(scene), decomposition, partition, materials.collect());
+    let (level, cut) = (super::layout::level(scene), (decomposition, partition));
+    let mut warehouse = Warehouse::new(&SCHEMA, level, cut, materials.collect(), node_labels);
     warehouse.own_rates = scene.run.rates != Rates::Common;
     warehouse
 }
 
-/// The labels that the tasks of `graph` need of a material's particles, and those that every run needs.
-pub fn layout_of(scene: &Scene, graph: &TaskGraph, material: usize) -> Layout {
-    let always = [LabelId::Identity, LabelId::Position, LabelId::Velocity, LabelId::Mass];
-    let labels = graph.particle_labels(material).into_iter().chain(always);
-    Layout::new(labels, initial_history(&scene.materials[material].behavior, [1.0, 0.0, 0.0]))
+/// The labels that the tasks of `program` need of a material's particles, and those that every run needs.
+pub fn layout_of(scene: &Scene, program: &Program, material: usize) -> ParticleLayout {
+    let always = [Identity::ID, Position::ID, Velocity::ID, Mass::ID];
+    let labels = program.particle_labels(material).into_iter().chain(always);
+    let history = initial_history(&scene.materials[material].behavior, [1.0, 0.0, 0.0]);
+    ParticleLayout::new(&SCHEMA, labels, [(History::ID, history)].into())
 }
 
 /// The history that a material's law keeps.
@@ -102,31 +110,33 @@ fn add_body(
 ) -> Result<(), RunError> {
     let material = &scene.materials[body.material];
     let layout = warehouse.materials[body.material].layout.clone();
-    let volume = lattice::particle_volume(scene, body);
+    let volume = sampling::particle_volume(scene, body);
     let outside = |_| RunError::Outside { body: body.name.clone() };
-    for x in lattice::sample(scene, body) {
+    // what a scene does not say is as where there is no particle
+    let inert = layout.inert_record([0.0; 3]);
+    let mut record = inert.clone();
+    for x in sampling::sample(scene, body) {
         let (_, patch) = warehouse.home(body.material, x).map_err(outside)?;
         let this = *identity;
         *identity += 1;
         if !warehouse.partition.is_mine(patch) {
             continue;
         }
-        let history = initial_history(&material.behavior, lattice::fiber_at(&body.fibers, x));
+        let history = initial_history(&material.behavior, sampling::fiber_at(&body.fibers, x));
         let drive = scene.drives.iter().position(|d| d.material == body.material && d.region.contains(x));
-        let mut record = Vec::with_capacity(layout.total);
-        for label in layout.labels() {
-            match label {
-                LabelId::Position => record.extend(x),
-                LabelId::Velocity => record.extend(body.velocity),
-                LabelId::Mass => record.push(material.density * volume),
-                LabelId::InitialVolume | LabelId::Volume => record.push(volume),
-                LabelId::Deformation => record.extend([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]),
-                LabelId::History => record.extend(&history),
-                LabelId::DriveIndex => record.push(drive.map_or(0.0, |d| d as f64 + 1.0)),
-                LabelId::Identity => record.push(f64::from_bits(this)),
-                other => record.extend(std::iter::repeat_n(0.0, other.width())),
-            }
-        }
+        record.copy_from_slice(&inert);
+        let mut set = |label: LabelId, numbers: &[f64]| {
+            let width = layout.width(label);
+            record[layout.starts[label.index()]..][..width].copy_from_slice(&numbers[..width]);
+        };
+        set(Position::ID, &x);
+        set(Velocity::ID, &body.velocity);
+        set(Mass::ID, &[material.density * volume]);
+        set(InitialVolume::ID, &[volume]);
+        set(Volume::ID, &[volume]);
+        set(History::ID, &history);
+        set(DriveIndex::ID, &[drive.map_or(0.0, |d| d as f64 + 1.0)]);
+        set(Identity::ID, &[f64::from_bits(this)]);
         warehouse.insert(body.material, x, &record).map_err(outside)?;
     }
     Ok(())
@@ -139,8 +149,8 @@ fn start_rigid(scene: &Scene, warehouse: &mut Warehouse, material: usize) {
     let bodies = || scene.bodies.iter().filter(|body| body.material == material);
     let particles = || {
         bodies().flat_map(|body| {
-            let m = scene.materials[material].density * lattice::particle_volume(scene, body);
-            lattice::sample(scene, body).map(move |x| (m, Vector3::from(x), Vector3::from(body.velocity)))
+            let m = scene.materials[material].density * sampling::particle_volume(scene, body);
+            sampling::sample(scene, body).map(move |x| (m, Vector3::from(x), Vector3::from(body.velocity)))
         })
     };
     let (mut mass, mut moment, mut momentum) = (0.0, Vector3::zeros(), Vector3::zeros());
@@ -169,13 +179,13 @@ fn start_rigid(scene: &Scene, warehouse: &mut Warehouse, material: usize) {
         ..bytemuck::Zeroable::zeroed()
     };
     (0..3).for_each(|a| body.rotation[4 * a] = 1.0);
-    warehouse.shared.set(LabelId::RigidMotion, material, body);
+    warehouse.shared.set(RigidMotionLabel::ID, material, body);
     let layout = warehouse.materials[material].layout.clone();
     for block in warehouse.particles.iter_mut().flat_map(|patch| &mut patch[material].blocks) {
         for particle in 0..block.count {
             for a in 0..3 {
-                let r = block.get(&layout, LabelId::Position, particle, a) - center[a];
-                block.set(&layout, LabelId::ReferencePosition, particle, a, r);
+                let r = block.get(&layout, Position::ID, particle, a) - center[a];
+                block.set(&layout, ReferencePosition::ID, particle, a, r);
             }
         }
     }

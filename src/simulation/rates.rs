@@ -1,12 +1,33 @@
 //! The steps that materials would take if the run began now: an estimate from the scene alone.
-use crate::data::shared::{Clock, MaterialStep};
-use crate::graph::export::{Cycle, OwnStep};
-use crate::input::scene::{Behavior, Rates, RigidMotion, Scene};
-use crate::physics::law::Law;
-use crate::physics::materials::WithLaw;
-use crate::simd::{LANES, Wide};
-use crate::tasks::timestep;
 use bytemuck::Zeroable;
+use engine::data::rates::{Clock, MaterialStep};
+use physics::law::Law;
+use physics::materials::WithLaw;
+use scene::{Behavior, Rates, RigidMotion, Scene};
+use simd::{LANES, Wide};
+use tasks::recipes;
+
+/// How the steps of materials nest, as plain numbers from who knows the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cycle {
+    /// The most ticks in a step, if materials take steps of their own.
+    pub most: Option<u32>,
+    /// Estimated size of a tick [s].
+    pub tick: f64,
+    /// The material that the tick suits.
+    pub fastest: usize,
+    /// What each material would take now.
+    pub own: Vec<StepAtRest>,
+}
+
+/// An estimated step of a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepAtRest {
+    /// Its size [s].
+    pub size: f64,
+    /// Its size in ticks.
+    pub ticks: u64,
+}
 
 /// Steps at rest: undeformed, c² = (K + 4/3 μ)/ρ₀, with the velocities of the bodies. A run decides anew each step.
 pub fn at_rest(scene: &Scene) -> Cycle {
@@ -15,15 +36,15 @@ pub fn at_rest(scene: &Scene) -> Cycle {
         speeds.iter().map(|[c, v]| [c + v, *c, *v].map(|speed| Wide([speed; LANES]))).collect();
     let mut clock = Clock { until: scene.run.until, ..Clock::zeroed() };
     let mut steps = vec![MaterialStep::zeroed(); speeds.len()];
-    timestep::timestep_size(scene).decide(&mut clock, &mut steps, &lines);
+    recipes::timestep_size(scene).decide(&mut clock, &mut steps, &lines);
     let signal = |m: &usize| speeds[*m].iter().sum::<f64>();
     let fastest = (0..speeds.len()).max_by(|a, b| signal(a).total_cmp(&signal(b))).unwrap_or(0);
-    let own = steps.iter().map(|step| OwnStep { size: step.size, ticks: (step.last - step.first) as u64 });
+    let own = steps.iter().map(|step| StepAtRest { size: step.size, ticks: (step.last - step.first) as u64 });
     let most = match scene.run.rates {
         Rates::Common => None,
         Rates::PerMaterial { most } => Some(most),
     };
-    Cycle { most, tick: clock.step, fastest, own: own.collect() }
+    Cycle { most, tick: clock.tick, fastest, own: own.collect() }
 }
 
 /// The speed of sound at rest, and of the fastest body [m/s].

@@ -1,13 +1,16 @@
 //! The particles of a running simulation, as output sees them.
 use super::populate::history_of;
-use crate::data::labels::LabelId;
-use crate::data::particles::{Layout, ParticleBlock};
-use crate::data::warehouse::Warehouse;
-use crate::input::scene::Scene;
 use crate::output::frame::{Field, Piece};
 use crate::output::vtkhdf::CHUNK;
-use crate::simd::LANES;
+use engine::data::layout::ParticleLayout;
+use engine::data::particles::ParticleBlock;
+use engine::data::warehouse::Warehouse;
+use engine::schema::Label;
+use engine::schema::LabelId;
+use scene::Scene;
+use simd::LANES;
 use std::ops::Range;
+use tasks::labels;
 
 /// A borrowed view of this rank's particles: patch by patch, material by material, block by block.
 pub struct Snapshot<'a> {
@@ -34,7 +37,7 @@ impl<'a> Snapshot<'a> {
     pub fn new(scene: &Scene, warehouse: &'a Warehouse) -> Self {
         let fields = fields(scene);
         let of_material = |m: usize| {
-            let deformable = warehouse.materials[m].layout.widths[LabelId::KirchhoffStress as usize] > 0;
+            let deformable = warehouse.materials[m].layout.width(labels::KirchhoffStress::ID) > 0;
             let history = history_of(&scene.materials[m].behavior);
             let source = |field: &Field| match field.name.as_str() {
                 "velocity" => Source::Velocity,
@@ -88,25 +91,28 @@ impl<'a> Snapshot<'a> {
     fn add(&self, piece: &mut Piece, material: usize, block: &ParticleBlock, rows: Range<usize>) {
         let layout = &self.warehouse.materials[material].layout;
         let get = |label, component| numbers(layout, block, label, component, rows.clone());
-        piece.identities.extend(get(LabelId::Identity, 0).map(f64::to_bits));
+        piece.identities.extend(get(labels::Identity::ID, 0).map(f64::to_bits));
         piece.materials.resize(piece.materials.len() + rows.len(), material as u8);
-        let [x, y, z] = [0, 1, 2].map(|a| get(LabelId::Position, a));
+        let [x, y, z] = [0, 1, 2].map(|a| get(labels::Position::ID, a));
         piece.positions.extend(x.zip(y).zip(z).map(|((x, y), z)| [x, y, z].map(|x| x as f32)));
         for (i, (column, source)) in piece.columns.iter_mut().zip(&self.sources[material]).enumerate() {
-            let ratio =
-                || get(LabelId::Volume, 0).zip(get(LabelId::InitialVolume, 0)).map(|(now, then)| now / then);
+            let ratio = || {
+                get(labels::Volume::ID, 0)
+                    .zip(get(labels::InitialVolume::ID, 0))
+                    .map(|(now, then)| now / then)
+            };
             let stress = || rows.clone().zip(ratio()).map(|(p, j)| pressure_and_mises(layout, block, p, j));
             match *source {
                 Source::Nothing => column.extend(vec![f32::NAN; rows.len() * self.fields[i].components]),
                 Source::Velocity => {
-                    let [x, y, z] = [0, 1, 2].map(|a| get(LabelId::Velocity, a));
+                    let [x, y, z] = [0, 1, 2].map(|a| get(labels::Velocity::ID, a));
                     column.extend(x.zip(y).zip(z).flat_map(|((x, y), z)| [x, y, z].map(|x| x as f32)));
                 }
                 Source::VolumeRatio => column.extend(ratio().map(|x| x as f32)),
                 Source::Pressure => column.extend(stress().map(|[pressure, _]| pressure as f32)),
                 Source::VonMises => column.extend(stress().map(|[_, mises]| mises as f32)),
                 Source::History(number) => {
-                    column.extend(get(LabelId::History, number).map(|x| x as f32));
+                    column.extend(get(labels::History::ID, number).map(|x| x as f32));
                 }
             }
         }
@@ -133,19 +139,19 @@ fn fields(scene: &Scene) -> Vec<Field> {
 
 /// One number of some particles of a block.
 fn numbers<'a>(
-    layout: &Layout,
+    layout: &ParticleLayout,
     block: &'a ParticleBlock,
     label: LabelId,
     component: usize,
     rows: Range<usize>,
 ) -> impl Iterator<Item = f64> + 'a {
-    let (column, width) = (block.column(layout, label), layout.widths[label as usize]);
+    let (column, width) = (block.column(layout, label), layout.width(label));
     rows.map(move |p| column[p / LANES * width + component].0[p % LANES])
 }
 
 /// Mean Cauchy stress with the sign of a pressure, and von Mises stress [Pa], at a volume ratio `j`.
-fn pressure_and_mises(layout: &Layout, block: &ParticleBlock, p: usize, j: f64) -> [f64; 2] {
-    let s: [f64; 6] = std::array::from_fn(|c| block.get(layout, LabelId::KirchhoffStress, p, c) / j);
+fn pressure_and_mises(layout: &ParticleLayout, block: &ParticleBlock, p: usize, j: f64) -> [f64; 2] {
+    let s: [f64; 6] = std::array::from_fn(|c| block.get(layout, labels::KirchhoffStress::ID, p, c) / j);
     let mean = (s[0] + s[3] + s[5]) / 3.0;
     let normal = [0, 3, 5].map(|c| (s[c] - mean).powi(2)).iter().sum::<f64>();
     let shear = [1, 2, 4].map(|c| s[c] * s[c]).iter().sum::<f64>();

@@ -1,9 +1,9 @@
 use super::add_all;
-use crate::data::labels::{Deformation, FailedCount, History, InitialVolume, MaterialEnergy};
-use crate::graph::task::{At, Body};
-use crate::physics::law::{Kinematics, Law, MAX_HISTORY};
-use crate::physics::tensor::{determinant, increment};
-use crate::simd::{Mask, Simd, load};
+use crate::labels::{Deformation, FailedCount, History, InitialVolume, MaterialEnergy};
+use engine::graph::task::{At, Body};
+use physics::law::{Kinematics, Law, MAX_HISTORY};
+use physics::tensor::{determinant, increment};
+use simd::{Mask, Simd, load};
 
 /// Strain, plastic and fracture energy of one material, and its failed particles by kind.
 pub struct ReportLaw<L> {
@@ -13,7 +13,7 @@ pub struct ReportLaw<L> {
     pub failure: Option<usize>,
 }
 
-crate::task! { Particles task ReportLaw [L: Law] {
+engine::task! { Particles task ReportLaw [L: Law] {
     requires old { initial_volume: InitialVolume, deformation: Deformation, history: History }
     computes { energy: MaterialEnergy, failed: FailedCount }
 }}

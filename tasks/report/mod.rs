@@ -7,8 +7,8 @@ pub use law::ReportLaw;
 pub use motion::ReportMotion;
 pub use viscosity::ReportViscosity;
 
-use crate::data::exact_sum::ExactSum;
-use crate::simd::Simd;
+use engine::data::exact_sum::ExactSum;
+use simd::Simd;
 
 /// Adds the lanes of each vector, in order, to its exact sum.
 #[inline(always)]

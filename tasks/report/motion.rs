@@ -1,12 +1,12 @@
 use super::add_all;
-use crate::data::labels::{Mass, MaterialEnergy, MaterialMotion, Position, Velocity};
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, load};
+use crate::labels::{Mass, MaterialEnergy, MaterialMotion, Position, Velocity};
+use engine::graph::task::{At, Body};
+use simd::{Simd, load};
 
 /// Kinetic energy, mass, momentum, center of mass and angular momentum of one material.
 pub struct ReportMotion;
 
-crate::task! { Particles task ReportMotion {
+engine::task! { Particles task ReportMotion {
     requires old { mass: Mass, position: Position, velocity: Velocity }
     computes { energy: MaterialEnergy, motion: MaterialMotion }
 }}

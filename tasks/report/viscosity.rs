@@ -1,12 +1,12 @@
 use super::add_all;
-use crate::data::labels::{InitialVolume, MaterialEnergy, ViscousWork};
-use crate::graph::task::{At, Body};
-use crate::simd::Simd;
+use crate::labels::{InitialVolume, MaterialEnergy, ViscousWork};
+use engine::graph::task::{At, Body};
+use simd::Simd;
 
 /// What the artificial viscosity has turned into heat so far.
 pub struct ReportViscosity;
 
-crate::task! { Particles task ReportViscosity {
+engine::task! { Particles task ReportViscosity {
     requires old { initial_volume: InitialVolume, work: ViscousWork }
     computes { energy: MaterialEnergy }
 }}

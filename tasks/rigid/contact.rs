@@ -1,12 +1,12 @@
-use crate::data::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, RigidImpulse, RigidMotion};
-use crate::graph::task::{At, Body};
-use crate::simd::Simd;
-use crate::tasks::contact::{Contact, Meeting};
+use crate::contact::{Contact, Meeting};
+use crate::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, RigidImpulse, RigidMotion};
+use engine::graph::task::{At, Body};
+use simd::Simd;
 
 /// Contact where some materials are rigid: they take their part of the impulses as a whole.
 pub struct RigidContact(pub Contact);
 
-crate::task! { Nodes task RigidContact {
+engine::task! { Nodes task RigidContact {
     requires old { bodies: RigidMotion }
     requires new { sums: NodeSums, surfaces: ContactSums }
     computes { on_bodies: RigidImpulse }

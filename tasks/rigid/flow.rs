@@ -1,11 +1,11 @@
-use crate::data::labels::{Mass, MassFlow, StressFlow, Velocity, Volume};
-use crate::graph::task::{At, Body};
-use crate::simd::{Simd, Wide};
+use crate::labels::{Mass, MassFlow, StressFlow, Velocity, Volume};
+use engine::graph::task::{At, Body};
+use simd::{Simd, Wide};
 
 /// What a rigid body's particles distribute: mass, momentum and volume, no stress.
 pub struct RigidFlow;
 
-crate::task! { Particles task RigidFlow {
+engine::task! { Particles task RigidFlow {
     requires old { mass: Mass, velocity: Velocity, volume: Volume }
     computes { mass_flow: MassFlow, stress_flow: StressFlow }
 }}

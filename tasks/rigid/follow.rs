@@ -1,16 +1,15 @@
-use crate::data::labels::{BlockExtent, Position, ReferencePosition, RigidMotion, SignalSpeed, Velocity};
-use crate::graph::task::{At, Body};
-use crate::simd::{LANES, Simd};
+use crate::labels::{BlockExtent, Position, ReferencePosition, RigidMotion, SignalSpeed, Velocity};
+use engine::data::extent::Bases;
+use engine::graph::task::{At, Body};
+use simd::{LANES, Simd};
 
 /// x_p = X_c + R X_p ;  v_p = V + ω × (x_p − X_c).
 pub struct Follow {
-    /// 1/h [1/m]
-    pub inverse_cell: f64,
-    /// Half-size of a particle in cells.
-    pub half_size: [f64; 3],
+    /// Where particles are, for the extent of their block.
+    pub bases: Bases,
 }
 
-crate::task! { Particles task Follow {
+engine::task! { Particles task Follow {
     requires old { reference: ReferencePosition }
     requires now { bodies: RigidMotion }
     computes { extent: BlockExtent, speed: SignalSpeed }
@@ -31,11 +30,8 @@ impl Body for Follow {
                 let velocity = body.velocity_at(place);
                 for a in 0..3 {
                     (x[a].0[lane], v[a].0[lane]) = (place[a], velocity[a]);
-                    let y = place[a] * self.inverse_cell - (at.origin.lower[a] + self.half_size[a]);
-                    let extent = &mut io.extent[0];
-                    extent[a].0[lane] = extent[a].0[lane].max(y);
-                    extent[a + 3].0[lane] = extent[a + 3].0[lane].max(-y);
                 }
+                self.bases.include_one(&mut io.extent[0], &at.origin, lane, place);
                 let speed = velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
                 for (largest, speed) in io.speed[0].iter_mut().zip([speed, 0.0, speed]) {
                     largest.0[lane] = largest.0[lane].max(speed);

@@ -5,4 +5,5 @@ pub mod contact;
 pub mod flow;
 pub mod follow;
 pub mod motion;
+pub mod state;
 pub mod velocity;

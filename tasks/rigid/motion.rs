@@ -1,10 +1,10 @@
-use crate::data::labels::{BoundaryWork, RigidImpulse, RigidMotion as RigidMotionLabel, Time};
-use crate::data::shared::RigidState;
-use crate::graph::task::{At, Body};
-use crate::input::scene::Table;
-use crate::simd::Simd;
-use crate::tasks::work::Work;
+use crate::labels::{BoundaryWork, RigidImpulse, RigidMotion as RigidMotionLabel, Time};
+use crate::rigid::state::RigidState;
+use crate::work::Work;
+use engine::graph::task::{At, Body};
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use scene::Table;
+use simd::Simd;
 
 /// Newton and Euler for rigid bodies: contact impulses and gravity change V and ω, then the body moves.
 /// Where nothing touches, there is no impulse.
@@ -15,7 +15,7 @@ pub struct RigidMotion {
     pub gravity: [f64; 3],
 }
 
-crate::task! { Once task RigidMotion {
+engine::task! { Once task RigidMotion {
     requires new { time: Time }
     requires now { impulse: RigidImpulse }
     computes { work: BoundaryWork }
@@ -25,7 +25,7 @@ crate::task! { Once task RigidMotion {
 impl Body for RigidMotion {
     #[inline(always)]
     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
-        let (time, dt) = (io.time[0].time, io.time[0].step);
+        let (time, dt) = (io.time[0].time, io.time[0].tick);
         let mut work = Work::default();
         for (material, body) in io.bodies.iter_mut().enumerate().filter(|(_, b)| b.mass > 0.0) {
             let sums = io.impulse[material].each_ref().map(|sum| sum.value());

@@ -1,8 +1,8 @@
-use crate::data::labels::{NodeMotion, RigidMotion};
-use crate::data::nodes::NODES;
-use crate::graph::task::{At, Body};
-use crate::physics::lattice::Lattice;
-use crate::simd::{Simd, Wide};
+use crate::labels::{NodeMotion, RigidMotion};
+use engine::graph::task::{At, Body};
+use grid::Lattice;
+use grid::NODES;
+use simd::{Simd, Wide};
 
 /// v_I = V + ω × (x_I − X_c) on the nodes of rigid materials.
 pub struct RigidVelocity {
@@ -12,7 +12,7 @@ pub struct RigidVelocity {
     pub rigid: Vec<bool>,
 }
 
-crate::task! { Nodes task RigidVelocity {
+engine::task! { Nodes task RigidVelocity {
     requires old { bodies: RigidMotion }
     modifies { motion: NodeMotion }
 }}
@@ -21,10 +21,10 @@ impl Body for RigidVelocity {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let fields = io.motion.chunks_exact_mut(NODES).zip(at.fields);
-        for (motions, field) in fields.filter(|(_, f)| self.rigid[f.material as usize]) {
-            let body = &io.bodies[field.material as usize];
+        for (motions, field) in fields.filter(|(_, f)| self.rigid[f.material]) {
+            let body = &io.bodies[field.material];
             for (n, motion) in motions.iter_mut().enumerate() {
-                let [x, y, z] = body.velocity_at(self.lattice.node(at.node, n));
+                let [x, y, z] = body.velocity_at(self.lattice.position(at.node_of(n)));
                 *motion = Wide([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]);
             }
         }

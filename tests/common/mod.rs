@@ -1,12 +1,14 @@
 //! Small scenes, and simulations of them.
 #![allow(dead_code)] // each test takes what it needs
 #![allow(clippy::result_large_err)] // errors are rare here
-use sinew::data::labels::LabelId;
-use sinew::input::scene::Scene;
+use engine::schema::Label;
+use engine::schema::LabelId;
+use scene::Scene;
+use simd::Isa;
 use sinew::input::{read, read_text};
-use sinew::simd::Isa;
 use sinew::simulation::{Report, RunError, Simulation};
 use std::path::Path;
+use tasks::labels;
 
 pub mod command;
 
@@ -81,7 +83,7 @@ pub fn numbers(simulation: &Simulation, label: LabelId) -> Vec<Vec<f64>> {
     let mut all = Vec::new();
     for (material, block) in simulation.warehouse.blocks() {
         let layout = &simulation.warehouse.materials[material].layout;
-        let width = layout.widths[label as usize];
+        let width = layout.widths[label.index()];
         all.extend((0..block.count).map(|p| (0..width).map(|c| block.get(layout, label, p, c)).collect()));
     }
     all
@@ -94,9 +96,9 @@ pub fn set_velocity(simulation: &mut Simulation, mut field: impl FnMut([f64; 3])
         let layout = &warehouse.materials[material].layout;
         for block in &mut home.blocks {
             for particle in 0..block.count {
-                let x = [0, 1, 2].map(|a| block.get(layout, LabelId::Position, particle, a));
+                let x = [0, 1, 2].map(|a| block.get(layout, labels::Position::ID, particle, a));
                 for (a, v) in field(x).into_iter().enumerate() {
-                    block.set(layout, LabelId::Velocity, particle, a, v);
+                    block.set(layout, labels::Velocity::ID, particle, a, v);
                 }
             }
         }
@@ -142,9 +144,9 @@ macro_rules! tasks {
         mod $module {
             use super::*;
             pub struct $name;
-            sinew::task! { $domain task $name { $($declaration)* } }
-            impl sinew::graph::task::Body for $name {
-                fn run<S: sinew::simd::Simd>(&self, _at: &sinew::graph::task::At<'_>, _io: Io<'_>) {}
+            engine::task! { $domain task $name { $($declaration)* } }
+            impl engine::graph::task::Body for $name {
+                fn run<S: simd::Simd>(&self, _at: &engine::graph::task::At<'_>, _io: Io<'_>) {}
             }
         }
         use $module::$name;

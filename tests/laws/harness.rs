@@ -1,9 +1,9 @@
 //! A law as plain functions of `f64` matrices, on every instruction set, and random states.
 use nalgebra::{Matrix3, SymmetricEigen, Unit, UnitQuaternion, Vector3};
-use sinew::physics::law::{Kinematics, Law, MAX_HISTORY};
-use sinew::physics::materials::neo_hookean::NeoHookean;
-use sinew::physics::materials::tissue::{NoFailure, Tissue, TwoSurface};
-use sinew::simd::{Isa, Job, LANES, Mask, Simd, Wide};
+use physics::law::{Kinematics, Law, MAX_HISTORY};
+use physics::materials::neo_hookean::NeoHookean;
+use physics::materials::tissue::{NoFailure, Tissue, TwoSurface};
+use simd::{Isa, Job, LANES, Mask, Simd, Wide};
 use std::array::from_fn;
 
 pub type M3 = Matrix3<f64>;
@@ -60,7 +60,7 @@ impl<L: Law> Job for Step<'_, L> {
         let load = |at: &dyn Fn(usize) -> f64| S::load(&Wide(from_fn(|lane| at(lane % n))));
         let f = from_fn(|e| load(&|i| points[i].f[(e / 3, e % 3)]));
         let increment = from_fn(|e| load(&|i| points[i].increment[(e / 3, e % 3)]));
-        let j = sinew::physics::tensor::determinant(&f);
+        let j = physics::tensor::determinant(&f);
         let k = Kinematics { f, j, increment };
         let mut history = [S::splat(0.0); MAX_HISTORY];
         let history = &mut history[..L::HISTORY.len()];

@@ -1,7 +1,7 @@
 //! J2 plasticity against closed forms.
 use crate::harness::*;
-use sinew::physics::materials::j2::J2;
-use sinew::physics::materials::neo_hookean::NeoHookean;
+use physics::materials::j2::J2;
+use physics::materials::neo_hookean::NeoHookean;
 
 const ELASTIC: NeoHookean = NeoHookean { bulk: 46e9, shear: 5.6e9 };
 const LEAD: J2 = J2 { elastic: ELASTIC, yield_stress: 18e6, hardening: 0.0 };

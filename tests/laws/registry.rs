@@ -1,7 +1,7 @@
 //! The table that scenes are read by.
-use sinew::physics::law::{Law, MAX_HISTORY};
-use sinew::physics::materials::{AnyLaw, Entry, LAWS, WithLaw};
-use sinew::physics::parameter::{Kind, Values};
+use physics::law::{Law, MAX_HISTORY};
+use physics::materials::{AnyLaw, Entry, LAWS, WithLaw};
+use physics::parameter::{Kind, Values};
 
 /// Every default, and 2 or the least value where there is none.
 fn defaults(entry: &Entry) -> Values {

@@ -1,8 +1,8 @@
 //! Stress and energy belong together, and do not depend on the observer.
 use crate::harness::*;
-use sinew::physics::law::Law;
-use sinew::physics::materials::j2::J2;
-use sinew::physics::materials::tissue::NoFailure;
+use physics::law::Law;
+use physics::materials::j2::J2;
+use physics::materials::tissue::NoFailure;
 
 /// τ m·n = dW/dε along F → (I + ε m⊗n) F, by differences of fourth order.
 fn stress_from_energy<L: Law>(law: &L, f: &M3, fiber: V3, history: Option<&[f64]>) -> M3 {
@@ -138,7 +138,7 @@ fn fiber_stress_follows_eq_5() {
 #[test]
 fn toe_energy_is_the_integral_of_the_toe() {
     for (c4, straight) in [(22.0, 1.4), (48.0, 1.06), (50.0, 1.4)] {
-        let law = sinew::physics::materials::tissue::Tissue { c4, ..myocardium(straight, NoFailure) };
+        let law = physics::materials::tissue::Tissue { c4, ..myocardium(straight, NoFailure) };
         let side = straight.powf(-0.5);
         let f = M3::from_diagonal(&V3::new(straight, side, side));
         let matrix = law.c1 * (straight * straight + 2.0 * side * side - 3.0);

@@ -1,6 +1,6 @@
 //! When tissue fails, what it loses, and that it stays so.
 use crate::harness::*;
-use sinew::physics::materials::tissue::{NoFailure, Tissue, TwoSurface};
+use physics::materials::tissue::{NoFailure, Tissue, TwoSurface};
 
 type Failing = Tissue<TwoSurface>;
 

@@ -1,5 +1,5 @@
-use sinew::physics::viscosity::Viscosity;
-use sinew::simd::{Isa, Job, Simd};
+use physics::viscosity::Viscosity;
+use simd::{Isa, Job, Simd};
 
 struct Pressure(Viscosity, [f64; 4]);
 

@@ -1,11 +1,11 @@
 //! The bound of ρ₀ c² against the acoustic tensor by differences of the stress.
 use crate::harness::*;
 use nalgebra::SymmetricEigen;
-use sinew::physics::law::Law;
-use sinew::physics::materials::j2::J2;
-use sinew::physics::materials::neo_hookean::NeoHookean;
-use sinew::physics::materials::tissue::Tissue;
-use sinew::simd::Isa;
+use physics::law::Law;
+use physics::materials::j2::J2;
+use physics::materials::neo_hookean::NeoHookean;
+use physics::materials::tissue::Tissue;
+use simd::Isa;
 
 /// Largest eigenvalue of A_ik(n) = d/dε [τ(ε) n]_i / (1 + ε n_k) along F → (I + ε e_k⊗n) F.
 fn largest<L: Law>(law: &L, from: &Point, n: &V3) -> f64 {
@@ -109,7 +109,7 @@ fn no_wave_outruns_the_bound() {
         let Tissue { c1, c3, c4, c5, straight, bulk, .. } = law;
         let failing = Tissue { c1, c3, c4, c5, straight, bulk, failure: NEVER };
         let keeping = Tissue {
-            failure: sinew::physics::materials::tissue::TwoSurface { keeps_pressure: 0xFF, ..NEVER },
+            failure: physics::materials::tissue::TwoSurface { keeps_pressure: 0xFF, ..NEVER },
             ..failing
         };
         let kinks = [1.0, straight];
@@ -137,7 +137,7 @@ fn plastic_flow_does_not_outrun_the_bound() {
 /// λ* = 1.4: the slope falls from 20.4 MPa to 100 kPa, the stress there is 929 kPa (PAPER.md).
 #[test]
 fn the_bound_follows_the_kink() {
-    let law = myocardium(1.4, sinew::physics::materials::tissue::NoFailure);
+    let law = myocardium(1.4, physics::materials::tissue::NoFailure);
     let at = |stretch: f64| {
         let side = stretch.powf(-0.5);
         let f = M3::from_diagonal(&V3::new(stretch, side, side));

@@ -9,11 +9,12 @@ mod step;
 
 use common::{Random, instruction_sets};
 use compare::{Errors, compare};
+use engine::schema::Label;
 use laws::{Law, Tissue};
 use scenes::{Case, each, particles, start};
-use sinew::data::labels::LabelId::{Deformation, Identity, InitialVolume, Mass, Position, Velocity};
-use sinew::simd::Isa;
+use simd::Isa;
 use step::{M3, Model, Particle, V3};
+use tasks::labels::{Deformation, Identity, InitialVolume, Mass, Position, Velocity};
 
 /// Most that Sinew may differ after a step, see [`Errors`].
 const TOLERANCE: f64 = 1e-12;
@@ -44,7 +45,7 @@ fn check(case: &Case, claim: impl Fn(&[Particle])) {
             let went_on =
                 simulation.step().unwrap_or_else(|e| panic!("{}, {isa:?}, step {n}: {e}", case.name));
             assert!(went_on);
-            let dt = simulation.clock().step;
+            let dt = simulation.clock().tick;
             step::step(&model, &mut reference, dt);
             errors = errors.and(compare(model.h, &particles(&simulation), &reference));
             if !model.gimp {
@@ -209,18 +210,18 @@ fn the_reference_conserves_momentum() {
 /// One number of one particle, off by 1e-9 of itself, is enough to be seen after a step.
 #[test]
 fn the_comparison_notices() {
-    for label in [Velocity, Position, Mass, InitialVolume, Deformation] {
+    for label in [Velocity::ID, Position::ID, Mass::ID, InitialVolume::ID, Deformation::ID] {
         let (mut simulation, model) = start(&RUBBER, Isa::detect());
         // so that there is stress
         assert!(simulation.step().is_ok());
         let mut reference = particles(&simulation);
         each(&mut simulation, |_, layout, block, p| {
-            if block.get(layout, Identity, p, 0).to_bits() == 500 {
+            if block.get(layout, Identity::ID, p, 0).to_bits() == 500 {
                 block.set(layout, label, p, 0, block.get(layout, label, p, 0) * (1.0 + 1e-9));
             }
         });
         assert!(simulation.step().is_ok());
-        step::step(&model, &mut reference, simulation.clock().step);
+        step::step(&model, &mut reference, simulation.clock().tick);
         let errors = compare(model.h, &particles(&simulation), &reference);
         println!("{label:?} off by 1e-9: {errors}");
         assert!(errors.worst() > TOLERANCE);

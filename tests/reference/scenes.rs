@@ -2,11 +2,13 @@
 use crate::common::{Overrides, Random, scene};
 use crate::laws::Law;
 use crate::step::{Face, M3, Material, Model, Particle, V3};
-use sinew::data::labels::LabelId::{self, *};
-use sinew::data::particles::{Layout, ParticleBlock};
-use sinew::input::scene::{FaceCondition, Scene, ShapeFunction};
-use sinew::simd::Isa;
+use engine::data::layout::ParticleLayout;
+use engine::data::particles::ParticleBlock;
+use engine::schema::{Label, LabelId};
+use scene::{FaceCondition, Scene, ShapeFunction};
+use simd::Isa;
 use sinew::simulation::Simulation;
+use tasks::labels::*;
 
 /// Where the balls are [m], and where the first one flies.
 const CENTERS: [V3; 2] = [V3::new(0.61, 3.72, -1.53), V3::new(3.07, 3.95, -1.71)];
@@ -119,7 +121,10 @@ fn model(scene: &Scene, laws: [Law; 2]) -> Model {
 }
 
 /// Shows each particle of Sinew to `change`.
-pub fn each(simulation: &mut Simulation, mut change: impl FnMut(usize, &Layout, &mut ParticleBlock, usize)) {
+pub fn each(
+    simulation: &mut Simulation,
+    mut change: impl FnMut(usize, &ParticleLayout, &mut ParticleBlock, usize),
+) {
     let warehouse = &mut simulation.warehouse;
     for (material, home) in warehouse.particles.iter_mut().flat_map(|patch| patch.iter_mut().enumerate()) {
         for block in &mut home.blocks {
@@ -137,15 +142,16 @@ pub fn start(case: &Case, isa: Isa) -> (Simulation, Model) {
     let rate = [0, 1].map(|_| M3::from_fn(|_, _| random.sign()) * case.rate);
     each(&mut simulation, |material, layout, block, p| {
         let (heavier, larger) = (1.0 + 0.2 * random.sign(), 1.0 + 0.1 * random.sign());
-        for (label, factor) in [(Mass, heavier), (InitialVolume, larger), (Volume, larger)] {
+        for (label, factor) in [(Mass::ID, heavier), (InitialVolume::ID, larger), (Volume::ID, larger)] {
             block.set(layout, label, p, 0, factor * block.get(layout, label, p, 0));
         }
-        let x = V3::from_fn(|a, _| block.get(layout, Position, p, a) + case.jitter * model.h * random.sign());
+        let x =
+            V3::from_fn(|a, _| block.get(layout, Position::ID, p, a) + case.jitter * model.h * random.sign());
         let v = DIRECTION * case.speeds[material] + rate[material] * (x - CENTERS[material]);
         let v = v + V3::from(random.vector()) * case.noise;
         for a in 0..3 {
-            block.set(layout, Position, p, a, x[a]);
-            block.set(layout, Velocity, p, a, v[a]);
+            block.set(layout, Position::ID, p, a, x[a]);
+            block.set(layout, Velocity::ID, p, a, v[a]);
         }
     });
     (simulation, model)
@@ -159,18 +165,18 @@ pub fn particles(simulation: &Simulation) -> Vec<Particle> {
         for p in 0..block.count {
             let get = |label: LabelId, c: usize| block.get(layout, label, p, c);
             let vector = |label: LabelId| V3::from_fn(|a, _| get(label, a));
-            let t: [f64; 6] = std::array::from_fn(|c| get(KirchhoffStress, c));
+            let t: [f64; 6] = std::array::from_fn(|c| get(KirchhoffStress::ID, c));
             all.push(Particle {
-                identity: get(Identity, 0).to_bits(),
+                identity: get(Identity::ID, 0).to_bits(),
                 material,
-                mass: get(Mass, 0),
-                initial_volume: get(InitialVolume, 0),
-                volume: get(Volume, 0),
-                x: vector(Position),
-                v: vector(Velocity),
-                f: M3::from_fn(|i, j| get(Deformation, 3 * i + j)),
+                mass: get(Mass::ID, 0),
+                initial_volume: get(InitialVolume::ID, 0),
+                volume: get(Volume::ID, 0),
+                x: vector(Position::ID),
+                v: vector(Velocity::ID),
+                f: M3::from_fn(|i, j| get(Deformation::ID, 3 * i + j)),
                 kirchhoff: M3::new(t[0], t[1], t[2], t[1], t[3], t[4], t[2], t[4], t[5]),
-                history: (0..layout.widths[History as usize]).map(|c| get(History, c)).collect(),
+                history: (0..layout.width(History::ID)).map(|c| get(History::ID, c)).collect(),
             });
         }
     }

@@ -1,6 +1,6 @@
 //! What the command line says of a scene and of a run.
 use super::fail::Failure;
-use sinew::input::scene::Scene;
+use scene::Scene;
 use std::path::PathBuf;
 
 /// Which scene, with what changed.

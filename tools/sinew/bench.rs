@@ -2,12 +2,12 @@
 use super::args::overrides;
 use super::fail::Failure;
 use super::progress::Progress;
-use sinew::bench::{BenchError, Plan, Report, bench, compare};
-use sinew::input::scene::{Rates, Scene};
+use physics::parameter::Dimension;
+use scene::{Rates, Scene};
+use simd::Isa;
 use sinew::input::{self, units};
+use sinew::lab::bench::{BenchError, Plan, Report, bench, compare};
 use sinew::output::summary::write_whole;
-use sinew::physics::parameter::Dimension;
-use sinew::simd::Isa;
 use sinew::simulation::{Simulation, available_threads};
 use std::path::{Path, PathBuf};
 

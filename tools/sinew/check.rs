@@ -2,8 +2,8 @@
 use super::args::SceneArgs;
 use super::fail::Failure;
 use super::progress::duration;
-use sinew::input::scene::Scene;
-use sinew::simd::Isa;
+use scene::Scene;
+use simd::Isa;
 use sinew::simulation::{Simulation, rates};
 use std::time::{Duration, Instant};
 
@@ -28,7 +28,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let [nx, ny, nz] = scene.domain.cells;
     println!("cells          {nx} x {ny} x {nz} of {} mm", 1e3 * scene.domain.cell);
     for body in &scene.bodies {
-        let count = sinew::input::lattice::count(&scene, body);
+        let count = scene::sampling::count(&scene, body);
         println!(
             "body           {}: {count} particles of {}",
             body.name, scene.materials[body.material].name

@@ -1,6 +1,6 @@
 //! How a subcommand fails: what is printed, and the exit status.
+use engine::exec::ranks::launch::Launch;
 use miette::Report;
-use sinew::exec::ranks::launch::Launch;
 use sinew::input::SceneError;
 use sinew::output;
 use sinew::simulation::RunError;

@@ -1,15 +1,15 @@
 //! `sinew graph`: the tasks of a step and what passes between them.
 use super::args::SceneArgs;
 use super::fail::Failure;
-use sinew::graph::build::TaskGraph;
-use sinew::graph::check::hazards;
-use sinew::graph::diagram::Diagram;
-use sinew::graph::export::Cycle;
-use sinew::graph::measured::Measured;
-use sinew::grid::{BLOCK, Decomposition, Patch};
-use sinew::input::scene::Scene;
+use engine::graph::build::TaskGraph;
+use engine::graph::check::hazards;
+use grid::{BLOCK, Decomposition, Patch};
+use scene::Scene;
+use sinew::lab::diagram::Diagram;
+use sinew::lab::plan::{self, Plan};
 use sinew::output::trace;
-use sinew::plan::{self, Plan};
+use sinew::output::trace::measured::Measured;
+use sinew::simulation::rates::Cycle;
 use sinew::simulation::{rates, step_graph};
 use std::path::PathBuf;
 

@@ -17,7 +17,7 @@ mod signals;
 mod wound;
 
 use clap::{Parser, Subcommand};
-use sinew::exec::ranks::launch::Launch;
+use engine::exec::ranks::launch::Launch;
 use std::process::ExitCode;
 
 /// Coupled solids by the material point method: tissue that fails, metal that yields, rigid tools.

@@ -1,8 +1,8 @@
 //! `sinew picture`: PNG pictures of a run.
 use super::fail::Failure;
 use super::wound::{Shown, load};
+use sinew::lab::picture::{Coloring, exit_face, section};
 use sinew::output::frame::Frame;
-use sinew::output::picture::{Coloring, exit_face, section};
 use std::path::{Path, PathBuf};
 
 /// Draw the section through the tract (as the paper's figure 8) and the exit face (as its figure 10)

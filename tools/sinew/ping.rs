@@ -1,7 +1,7 @@
 //! `sinew ping`: what messages between two ranks take.
 use super::fail::Failure;
 use super::ranks;
-use sinew::scale::ping::ping;
+use sinew::lab::scale::ping::ping;
 
 /// Measure messages between two ranks: mpirun -n 2 sinew ping
 ///

@@ -1,7 +1,7 @@
 //! Progress of a run: a bar on a terminal, plain lines elsewhere.
 use super::fail::Failure;
+use engine::exec::ranks::collective;
 use indicatif::{ProgressBar, ProgressStyle};
-use sinew::exec::ranks::collective;
 use sinew::simulation::{RunError, Simulation};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -88,7 +88,7 @@ impl Progress {
             "step {}  t {:.4} ms  dt {:.1} ns  {:.2} M updates/s  {} left",
             simulation.steps(),
             1e3 * clock.time,
-            1e9 * clock.step,
+            1e9 * clock.tick,
             (simulation.updates() - self.before.1) as f64 / self.share / spent / 1e6,
             duration(left)
         );

@@ -1,8 +1,8 @@
 //! A command as one of several ranks.
 use super::fail::Failure;
-use sinew::exec::ranks::launch::{self, Launch};
-use sinew::exec::ranks::{Network, NetworkError, collective};
-use sinew::input::scene::Scene;
+use engine::exec::ranks::launch::{self, Launch};
+use engine::exec::ranks::{Network, NetworkError, collective};
+use scene::Scene;
 
 /// The ranks that were launched together, and how many of them share this machine.
 pub fn connect() -> Result<(Box<dyn Network>, usize), Failure> {

@@ -2,11 +2,11 @@
 use super::args::RunArgs;
 use super::fail::Failure;
 use super::ranks;
-use sinew::exec::ranks::Network;
+use engine::exec::ranks::Network;
+use scene::Scene;
+use simd::Isa;
 use sinew::input::identity::first_difference;
-use sinew::input::scene::Scene;
 use sinew::output::checkpoint::{Reader, VERSION};
-use sinew::simd::Isa;
 use sinew::simulation::Simulation;
 use sinew::simulation::recorder::{Recorder, last_checkpoint};
 use std::path::{Path, PathBuf};

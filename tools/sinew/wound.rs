@@ -1,10 +1,10 @@
 //! `sinew wound`: measures of a shot through a slab, beside the paper's.
 use super::fail::Failure;
-use sinew::input::scene::Scene;
+use scene::Scene;
+use sinew::lab::wound::{Report, Unmeasured, measure};
 use sinew::output::frame::Frame;
 use sinew::output::snapshot::Snapshot;
 use sinew::output::vtkhdf::Reader;
-use sinew::output::wound::{Report, Unmeasured, measure};
 use std::path::{Path, PathBuf};
 
 /// Measure the wound that a run left: entry, exit, cavity and failed layer by depth, beside the paper's

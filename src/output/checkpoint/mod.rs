@@ -3,17 +3,21 @@
 //! An HDF5 file with a seal behind its last byte (`seal.rs`), written aside and renamed when the disk has it. Per material
 //! a table of blocks, then the particles label by label, block after block in the order within each block: which block
 //! a particle belongs to, and where in it, is state, not a consequence of its position.
+mod fill;
 mod folder;
 mod reader;
 pub mod seal;
+mod state;
 mod writer;
 
+pub use fill::fill;
 pub use folder::{Found, discard, last_whole, list, path, prune, set_aside};
 pub use reader::Reader;
+pub use state::write;
 pub use writer::Writer;
 
 /// Version of the format.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 /// The version of Sinew that writes.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -36,12 +40,14 @@ pub struct Head {
     pub updates: u64,
     /// What the run's files hold.
     pub recorded: Recorded,
-    /// Labels of homes `Material` and `Global`, bit by bit.
+    /// Labels of materials and of the run, bit by bit.
     pub shared: Vec<(String, Vec<u64>)>,
     /// Running totals of what particles do not remember.
     pub ledger: Vec<f64>,
-    /// The materials.
-    pub materials: Vec<Material>,
+    /// The particles of each material.
+    pub materials: Vec<Table>,
+    /// The nodes of each velocity field, if nodes have labels that pass from step to step.
+    pub nodes: Vec<Table>,
 }
 
 /// How far the files of a run had come.
@@ -59,38 +65,38 @@ pub struct Recorded {
     pub output_s: f64,
 }
 
-/// What a checkpoint has of a material.
+/// What a checkpoint has of the particles of a material, or of the nodes of a field: a row each, block by block.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Material {
+pub struct Table {
     /// Its name.
     pub name: String,
-    /// Names of its particle labels, and numbers a particle of each.
+    /// Names of its labels, and numbers a row of each.
     pub labels: Vec<(String, usize)>,
-    /// Occupied blocks.
+    /// Blocks.
     pub blocks: usize,
-    /// Particles.
-    pub particles: usize,
+    /// Rows.
+    pub rows: usize,
 }
 
-/// A block of a material.
+/// A block of a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BlockRow {
     /// Which block.
     pub index: [i32; 3],
-    /// Particles in it.
+    /// Rows of it.
     pub count: u32,
-    /// Bounds of its extent: largest y on each axis, largest −y.
+    /// Of particles: bounds of its extent: largest y on each axis, largest −y.
     pub extent: [f64; 6],
 }
 
-/// Some blocks of a material with their particles.
+/// Some blocks of a table with their rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Part {
-    /// Index of the material.
-    pub material: usize,
+    /// Number of the table: of the materials, then of the fields.
+    pub table: usize,
     /// The blocks.
     pub blocks: Vec<BlockRow>,
-    /// The values of each label, particle by particle.
+    /// The values of each label, row by row.
     pub columns: Vec<Vec<f64>>,
 }
 
@@ -114,6 +120,7 @@ mod name {
     pub const SHARED: &str = "shared";
     pub const LEDGER: &str = "ledger";
     pub const MATERIALS: &str = "materials";
+    pub const NODES: &str = "nodes";
     pub const MATERIAL_NAME: &str = "name";
     pub const LABELS: &str = "labels";
     pub const BLOCK_INDEX: &str = "block_index";

@@ -1,5 +1,5 @@
 //! Reads a checkpoint back.
-use super::{BlockRow, FORMAT, Head, Material, Recorded, name, seal};
+use super::{BlockRow, FORMAT, Head, Recorded, Table, name, seal};
 use crate::output::error::{self, Error, Result};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
@@ -56,13 +56,13 @@ impl Reader {
         Error::Content { path: self.path.clone(), problem }
     }
 
-    /// The table of blocks of a material.
+    /// The blocks of a table: of a material, or behind them of a field.
     ///
     /// # Errors
     /// If it cannot be read.
-    pub fn blocks(&self, material: usize) -> Result<Vec<BlockRow>> {
+    pub fn blocks(&self, table: usize) -> Result<Vec<BlockRow>> {
         let read = || -> hdf5::Result<Vec<BlockRow>> {
-            let group = self.material(material)?;
+            let group = self.table(table)?.1;
             let indices: Vec<i32> = all(&group.dataset(name::BLOCK_INDEX)?)?;
             let counts: Vec<u32> = all(&group.dataset(name::BLOCK_COUNT)?)?;
             let extents: Vec<f64> = all(&group.dataset(name::BLOCK_EXTENT)?)?;
@@ -72,21 +72,27 @@ impl Reader {
         read().map_err(error::hdf5("read", &self.path))
     }
 
-    /// Some rows of all labels of a material, in the order of `Head::materials`.
+    /// Some rows of all labels of a table, in the order of its head.
     ///
     /// # Errors
     /// If they cannot be read.
-    pub fn columns(&self, material: usize, range: &Range<usize>) -> Result<Vec<Vec<f64>>> {
+    pub fn columns(&self, table: usize, range: &Range<usize>) -> Result<Vec<Vec<f64>>> {
         let read = || -> hdf5::Result<Vec<Vec<f64>>> {
-            let group = self.material(material)?.group(name::PARTICLES)?;
+            let (head, group) = self.table(table)?;
+            let group = group.group(name::PARTICLES)?;
             let column = |(label, _): &(String, usize)| column(&group.dataset(label)?, label, range.clone());
-            self.head.materials[material].labels.iter().map(column).collect()
+            head.labels.iter().map(column).collect()
         };
         read().map_err(error::hdf5("read", &self.path))
     }
 
-    fn material(&self, index: usize) -> hdf5::Result<Group> {
-        self.file.group(name::MATERIALS)?.group(&index.to_string())
+    fn table(&self, number: usize) -> hdf5::Result<(&Table, Group)> {
+        let Head { materials, nodes, .. } = &self.head;
+        let (name, tables, index) = match number.checked_sub(materials.len()) {
+            None => (name::MATERIALS, materials, number),
+            Some(index) => (name::NODES, nodes, index),
+        };
+        Ok((&tables[index], self.file.group(name)?.group(&index.to_string())?))
     }
 }
 
@@ -100,8 +106,10 @@ fn column(dataset: &Dataset, label: &str, range: Range<usize>) -> hdf5::Result<V
 fn head(file: &File) -> hdf5::Result<Head> {
     let shared = file.group(name::SHARED)?;
     let words = |label: String| Ok((label.clone(), shared.dataset(&label)?.read_raw::<u64>()?));
-    let materials = file.group(name::MATERIALS)?;
-    let material = |index: usize| material(&materials.group(&index.to_string())?);
+    let tables = |name: &str| -> hdf5::Result<Vec<Table>> {
+        let group = file.group(name)?;
+        (0..group.len() as usize).map(|index| table(&group.group(&index.to_string())?)).collect()
+    };
     Ok(Head {
         version: text(file, name::VERSION)?,
         isa: text(file, name::ISA)?,
@@ -119,11 +127,12 @@ fn head(file: &File) -> hdf5::Result<Head> {
         },
         shared: shared.member_names()?.into_iter().map(words).collect::<hdf5::Result<_>>()?,
         ledger: file.dataset(name::LEDGER)?.read_raw()?,
-        materials: (0..materials.len() as usize).map(material).collect::<hdf5::Result<_>>()?,
+        materials: tables(name::MATERIALS)?,
+        nodes: tables(name::NODES)?,
     })
 }
 
-fn material(group: &Group) -> hdf5::Result<Material> {
+fn table(group: &Group) -> hdf5::Result<Table> {
     let columns = group.group(name::PARTICLES)?;
     let label = |label: &str| {
         let shape = columns.dataset(label)?.shape();
@@ -131,13 +140,13 @@ fn material(group: &Group) -> hdf5::Result<Material> {
     };
     let names = text(group, name::LABELS)?;
     let labels: Vec<(String, usize)> = names.split_whitespace().map(label).collect::<hdf5::Result<_>>()?;
-    let rows = |dataset: Dataset| dataset.shape().first().copied().unwrap_or(0);
-    let particles = match labels.first() {
-        Some((label, _)) => rows(columns.dataset(label)?),
+    let count = |dataset: Dataset| dataset.shape().first().copied().unwrap_or(0);
+    let rows = match labels.first() {
+        Some((label, _)) => count(columns.dataset(label)?),
         None => 0,
     };
-    let blocks = rows(group.dataset(name::BLOCK_COUNT)?);
-    Ok(Material { name: text(group, name::MATERIAL_NAME)?, labels, blocks, particles })
+    let blocks = count(group.dataset(name::BLOCK_COUNT)?);
+    Ok(Table { name: text(group, name::MATERIAL_NAME)?, labels, blocks, rows })
 }
 
 fn all<T: H5Type>(dataset: &Dataset) -> hdf5::Result<Vec<T>> {

@@ -17,17 +17,17 @@ pub struct Writer {
     path: PathBuf,
     aside: PathBuf,
     file: File,
-    materials: Vec<Material>,
+    tables: Vec<Table>,
 }
 
-/// The datasets of a material, and how many rows they hold.
+/// The datasets of a table, and how many rows they hold.
 #[derive(Debug)]
-struct Material {
+struct Table {
     /// Indices, counts and extents of blocks.
     blocks: [Dataset; 3],
     labels: Vec<(String, Dataset)>,
     written: usize,
-    particles: usize,
+    rows: usize,
 }
 
 impl Writer {
@@ -44,19 +44,19 @@ impl Writer {
         // a file system without locks is no reason to fail: nobody else knows this name
         file.with_fapl(|access| access.file_locking(false));
         let file = file.create(&aside).map_err(&wrong)?;
-        let materials = lay_out(&file, head).and_then(|materials| file.flush().map(|()| materials));
-        let materials = materials.map_err(wrong)?;
+        let tables = lay_out(&file, head).and_then(|tables| file.flush().map(|()| tables));
+        let tables = tables.map_err(wrong)?;
         space::reserve(&aside, room(head))?;
-        Ok(Self { path: path.into(), aside, file, materials })
+        Ok(Self { path: path.into(), aside, file, tables })
     }
 
-    /// Writes some blocks of a material behind those that came before.
+    /// Writes some blocks of a table behind those that came before.
     ///
     /// # Errors
     /// If they cannot be written.
     pub fn part(&mut self, part: &Part) -> Result<()> {
-        let material = &mut self.materials[part.material];
-        material.write(part).map_err(error::hdf5("write", &self.aside))
+        let table = &mut self.tables[part.table];
+        table.write(part).map_err(error::hdf5("write", &self.aside))
     }
 
     /// Seals it and puts it in place, when the disk has all of it.
@@ -64,8 +64,8 @@ impl Writer {
     /// # Errors
     /// If it cannot be written.
     pub fn finish(self) -> Result<()> {
-        let Self { path, aside, file, materials } = self;
-        drop(materials);
+        let Self { path, aside, file, tables } = self;
+        drop(tables);
         let length = file.flush().map(|()| file.size()).map_err(error::hdf5("write", &aside))?;
         file.close().map_err(error::hdf5("close", &aside))?;
         space::trim(&aside, length)?;
@@ -77,7 +77,7 @@ impl Writer {
     }
 }
 
-impl Material {
+impl Table {
     fn write(&mut self, part: &Part) -> hdf5::Result<()> {
         let row = self.written;
         let end = row + part.blocks.len();
@@ -89,12 +89,12 @@ impl Material {
         rows(extents, row, &extent.into_flattened())?;
         for ((name, dataset), values) in self.labels.iter().zip(&part.columns) {
             if name == name::IDENTITY {
-                rows(dataset, self.particles, bytemuck::cast_slice::<_, u64>(values))?;
+                rows(dataset, self.rows, bytemuck::cast_slice::<_, u64>(values))?;
             } else {
-                rows(dataset, self.particles, values)?;
+                rows(dataset, self.rows, values)?;
             }
         }
-        self.particles += part.blocks.iter().map(|block| block.count as usize).sum::<usize>();
+        self.rows += part.blocks.iter().map(|block| block.count as usize).sum::<usize>();
         self.written = end;
         Ok(())
     }
@@ -102,14 +102,14 @@ impl Material {
 
 /// Bytes of all datasets.
 fn room(head: &Head) -> usize {
-    let material = |m: &super::Material| {
+    let table = |m: &super::Table| {
         let numbers: usize = m.labels.iter().map(|(_, width)| width).sum();
-        m.blocks * size_of::<super::BlockRow>() + m.particles * numbers * size_of::<f64>()
+        m.blocks * size_of::<super::BlockRow>() + m.rows * numbers * size_of::<f64>()
     };
-    head.materials.iter().map(material).sum::<usize>() + SLACK + seal::LENGTH as usize
+    head.materials.iter().chain(&head.nodes).map(table).sum::<usize>() + SLACK + seal::LENGTH as usize
 }
 
-fn lay_out(file: &File, head: &Head) -> hdf5::Result<Vec<Material>> {
+fn lay_out(file: &File, head: &Head) -> hdf5::Result<Vec<Table>> {
     number(file, name::FORMAT, &FORMAT)?;
     text(file, name::VERSION, &head.version)?;
     text(file, name::ISA, &head.isa)?;
@@ -130,17 +130,21 @@ fn lay_out(file: &File, head: &Head) -> hdf5::Result<Vec<Material>> {
         whole(&shared, label, words)?;
     }
     whole(file, name::LEDGER, &head.ledger)?;
-    let materials = file.create_group(name::MATERIALS)?;
-    let all = head.materials.iter().enumerate();
-    all.map(|(index, material)| lay_out_material(&materials.create_group(&index.to_string())?, material))
-        .collect()
+    let mut all = Vec::new();
+    for (name, tables) in [(name::MATERIALS, &head.materials), (name::NODES, &head.nodes)] {
+        let group = file.create_group(name)?;
+        for (index, table) in tables.iter().enumerate() {
+            all.push(lay_out_table(&group.create_group(&index.to_string())?, table)?);
+        }
+    }
+    Ok(all)
 }
 
-fn lay_out_material(group: &Group, material: &super::Material) -> hdf5::Result<Material> {
-    text(group, name::MATERIAL_NAME, &material.name)?;
-    let names: Vec<&str> = material.labels.iter().map(|(name, _)| name.as_str()).collect();
+fn lay_out_table(group: &Group, table: &super::Table) -> hdf5::Result<Table> {
+    text(group, name::MATERIAL_NAME, &table.name)?;
+    let names: Vec<&str> = table.labels.iter().map(|(name, _)| name.as_str()).collect();
     text(group, name::LABELS, &names.join(" "))?;
-    let (blocks, particles) = (material.blocks, material.particles);
+    let (blocks, count) = (table.blocks, table.rows);
     let tables = [
         group.new_dataset::<i32>().shape((blocks, 3)).create(name::BLOCK_INDEX)?,
         group.new_dataset::<u32>().shape((blocks, 1)).create(name::BLOCK_COUNT)?,
@@ -149,15 +153,13 @@ fn lay_out_material(group: &Group, material: &super::Material) -> hdf5::Result<M
     let columns = group.create_group(name::PARTICLES)?;
     let column = |(name, width): &(String, usize)| {
         let dataset = match name.as_str() {
-            name::IDENTITY => {
-                columns.new_dataset::<u64>().shape((particles, *width)).create(name.as_str())?
-            }
-            _ => columns.new_dataset::<f64>().shape((particles, *width)).create(name.as_str())?,
+            name::IDENTITY => columns.new_dataset::<u64>().shape((count, *width)).create(name.as_str())?,
+            _ => columns.new_dataset::<f64>().shape((count, *width)).create(name.as_str())?,
         };
         Ok((name.clone(), dataset))
     };
-    let labels = material.labels.iter().map(column).collect::<hdf5::Result<_>>()?;
-    Ok(Material { blocks: tables, labels, written: 0, particles: 0 })
+    let labels = table.labels.iter().map(column).collect::<hdf5::Result<_>>()?;
+    Ok(Table { blocks: tables, labels, written: 0, rows: 0 })
 }
 
 /// Writes rows of a dataset of two dimensions from row `begin` on.

@@ -1,10 +1,10 @@
 //! Particles to compare, from frames and from checkpoints.
 use super::{Column, Particles};
-use crate::data::label::Reduce;
-use crate::data::labels::LabelId;
 use crate::output::Result;
 use crate::output::checkpoint::Reader;
 use crate::output::snapshot::Snapshot;
+use engine::schema::{Combine, Label, LabelId};
+use tasks::labels::{self, SCHEMA};
 
 /// All of a frame.
 pub fn frame_particles(frame: Snapshot) -> Particles {
@@ -30,23 +30,22 @@ pub fn frame_particles(frame: Snapshot) -> Particles {
 /// If it cannot be read.
 pub fn checkpoint_particles(reader: &Reader, material: usize) -> Result<Particles> {
     let stored = &reader.head.materials[material];
-    let columns = reader.columns(material, &(0..stored.particles))?;
+    let columns = reader.columns(material, &(0..stored.rows))?;
     let named = stored.labels.iter().zip(columns);
     let columns: Vec<Column> = named
         .map(|((label, components), values)| Column { label: label.clone(), components: *components, values })
         .collect();
     let of = |label: LabelId| columns.iter().find(|c| c.label == label.name()).map_or(&[][..], |c| &c.values);
-    let identities: Vec<u64> = of(LabelId::Identity).iter().map(|x| x.to_bits()).collect();
-    let positions = of(LabelId::Position).as_chunks().0.to_vec();
-    let columns = columns.into_iter().filter(|c| c.label != LabelId::Identity.name()).collect();
+    let identities: Vec<u64> = of(labels::Identity::ID).iter().map(|x| x.to_bits()).collect();
+    let positions = of(labels::Position::ID).as_chunks().0.to_vec();
+    let columns = columns.into_iter().filter(|c| c.label != labels::Identity::ID.name()).collect();
     Ok(Particles { materials: vec![material; identities.len()], identities, positions, columns })
 }
 
 /// What a checkpoint has besides particles, by name. Exact sums are digits, of which only the bits can be compared; they are
 /// left out for a comparison by `value`.
 pub fn checkpoint_shared(reader: &Reader, by_value: bool) -> Vec<(String, Vec<f64>)> {
-    let is_value =
-        |name: &str| LabelId::ALL.iter().any(|label| label.name() == name && label.reduce() == Reduce::No);
+    let is_value = |name: &str| SCHEMA.find(name).is_some_and(|label| label.combine() == Combine::None);
     let shared = reader.head.shared.iter().filter(|(name, _)| !by_value || is_value(name));
     let numbers = |words: &Vec<u64>| words.iter().map(|&word| f64::from_bits(word)).collect();
     let ledger = ("ledger".to_owned(), reader.head.ledger.clone());

@@ -1,6 +1,6 @@
 //! A trace as it stands in its file.
-use crate::exec::trace::Kind;
 use crate::output::error::{Error, Result, io};
+use engine::exec::trace::Kind;
 use serde::Deserialize;
 use std::fs::File;
 use std::io::BufReader;

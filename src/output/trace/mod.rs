@@ -2,6 +2,7 @@
 //! open (Google, "Trace Event Format"). A process is a rank, a thread a worker; times are microseconds since the
 //! recorders began.
 mod file;
+pub mod measured;
 mod reader;
 mod writer;
 

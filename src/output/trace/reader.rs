@@ -1,8 +1,8 @@
 //! Sums up a trace.
 use super::file::{Line, Trace};
-use crate::exec::trace::Kind;
-use crate::graph::measured::{About, Measured, Sum, Worker};
+use super::measured::{About, Measured, Sum, Worker};
 use crate::output::error::{Error, Result};
+use engine::exec::trace::Kind;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 

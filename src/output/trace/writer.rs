@@ -1,9 +1,9 @@
 //! Writes the events of all ranks, piece by piece, so that no rank ever holds those of all.
-use crate::exec::ranks::{Network, collective, pack, unpack};
-use crate::exec::trace::{Event, Kind, NONE, Recorder, Track};
-use crate::graph::build::TaskGraph;
-use crate::graph::fuse::Stage;
 use crate::output::error::{Result, io};
+use engine::exec::ranks::{Network, collective, pack, unpack};
+use engine::exec::trace::{Event, Kind, NONE, Recorder, Track};
+use engine::graph::build::TaskGraph;
+use engine::graph::phase::Stage;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::fs::File;
@@ -156,7 +156,7 @@ impl<'a> Writer<'a> {
 
     /// What an event is called, and the tasks that it ran.
     fn name(&self, event: &Event) -> (String, Vec<&str>) {
-        let labels = |labels: &[crate::data::labels::LabelId]| {
+        let labels = |labels: &[engine::schema::LabelId]| {
             labels.iter().map(|label| label.name()).collect::<Vec<_>>().join(", ")
         };
         let phase = self.graph.phases.get(event.place as usize);

@@ -1,10 +1,10 @@
 //! Metal plasticity: neo-Hookean elasticity with a von Mises yield surface.
 use super::AnyLaw;
 use super::neo_hookean::NeoHookean;
-use crate::physics::law::{Energies, Kinematics, Law, Response, Variable};
-use crate::physics::parameter::{Described, Dimension, Parameter, Values};
-use crate::physics::tensor::{determinant, deviator_invariants, push_forward, scaled};
-use crate::simd::{Simd, math};
+use crate::law::{Energies, Kinematics, Law, Response, Variable};
+use crate::parameter::{Described, Dimension, Parameter, Values};
+use crate::tensor::{determinant, deviator_invariants, push_forward, scaled};
+use simd::{Simd, math};
 
 /// √(2/3)
 const ROOT: f64 = 0.816_496_580_927_726;

@@ -1,10 +1,10 @@
 //! Compressible neo-Hookean elasticity.
 use super::AnyLaw;
-use crate::physics::acoustic::Stiffness;
-use crate::physics::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
-use crate::physics::parameter::{Described, Dimension, Parameter, Values};
-use crate::physics::tensor::{deviator_invariants, scaled, times_transpose, trace};
-use crate::simd::{Simd, math};
+use crate::acoustic::Stiffness;
+use crate::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
+use crate::parameter::{Described, Dimension, Parameter, Values};
+use crate::tensor::{deviator_invariants, scaled, times_transpose, trace};
+use simd::{Simd, math};
 
 /// W = μ/2 (tr b̃ − 3) + K/2 (½ (J² − 1) − ln J), b̃ = J^(−2/3) F Fᵀ
 /// (Simo & Hughes, *Computational Inelasticity*, 1998, section 9.2). [`J2`](super::j2::J2) adds yielding.

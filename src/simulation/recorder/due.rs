@@ -1,5 +1,5 @@
 //! When a frame or a checkpoint is due.
-use crate::input::scene::{Checkpoint, Scene};
+use scene::{Checkpoint, Scene};
 use std::time::Instant;
 
 /// A hair early rather than a step late.

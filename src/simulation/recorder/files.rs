@@ -1,9 +1,9 @@
 //! The files of a run, on the rank that has them.
 use super::rows;
-use crate::input::scene::Scene;
 use crate::output::checkpoint::{self, Head};
 use crate::output::history::History;
 use crate::output::{self, summary, vtkhdf};
+use scene::Scene;
 use std::path::{Path, PathBuf};
 
 /// The files that make a folder a run's, but for checkpoints.

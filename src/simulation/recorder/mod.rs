@@ -5,13 +5,14 @@ mod files;
 mod rows;
 mod summarize;
 
-use super::{Simulation, parcel, together};
-use crate::exec::ranks::{Network, collective};
+use super::Simulation;
 use crate::output::checkpoint::{self, Head, Reader, Recorded};
 use crate::output::frame;
 use crate::output::summary::{Status, Summary};
 use crate::output::{self, vtkhdf};
+use crate::output::{parcel, together};
 use due::Checkpoints;
+use engine::exec::ranks::{Network, collective};
 use files::Files;
 pub use files::holds_run;
 use std::path::{Path, PathBuf};

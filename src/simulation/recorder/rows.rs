@@ -1,7 +1,7 @@
 //! Rows of `history.csv`.
-use crate::input::scene::Scene;
 use crate::output::history::{Cell, Column};
 use crate::simulation::ledger::Report;
+use scene::Scene;
 
 /// The columns of a scene.
 pub fn columns(scene: &Scene) -> Vec<Column> {

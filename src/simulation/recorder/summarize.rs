@@ -1,10 +1,10 @@
 //! What `summary.json` says about a run.
-use crate::exec::ranks::Network;
-use crate::exec::ranks::collective;
 use crate::output;
 use crate::output::summary::{self, Energy, Failed, FirstFailure, MaterialSummary, Status, Summary};
 use crate::simulation::Simulation;
 use crate::simulation::ledger::{MaterialReport, Report};
+use engine::exec::ranks::Network;
+use engine::exec::ranks::collective;
 use std::collections::BTreeMap;
 
 fn failed(reports: &[&MaterialReport]) -> Failed {

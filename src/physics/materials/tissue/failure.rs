@@ -1,8 +1,8 @@
 //! When tissue fails, as types: the criterion is compiled into the law.
 use super::{State, Terms};
-use crate::physics::law::{Events, Kinematics, Variable, inadmissible};
-use crate::physics::tensor::{determinant, solve};
-use crate::simd::{Mask, Simd};
+use crate::law::{Events, Kinematics, Variable, inadmissible};
+use crate::tensor::{determinant, solve};
+use simd::{Mask, Simd};
 
 /// Which terms of the energy still act.
 #[derive(Clone, Copy, Debug, PartialEq)]

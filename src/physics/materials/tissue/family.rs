@@ -1,8 +1,8 @@
 //! The word `tissue` in a scene, and the laws that its parameters choose among.
 use super::super::AnyLaw;
 use super::{NoFailure, Tissue, TwoSurface};
-use crate::physics::parameter::{Described, Dimension, Parameter, Values};
-use crate::simd::Mask;
+use crate::parameter::{Described, Dimension, Parameter, Values};
+use simd::Mask;
 
 /// All monomorphisations of [`Tissue`], as one described law.
 #[derive(Clone, Copy, Debug)]

@@ -5,10 +5,10 @@ mod family;
 pub use failure::{Failure, NoFailure, Present, TwoSurface, Verdict};
 pub use family::Family;
 
-use crate::physics::acoustic::Stiffness;
-use crate::physics::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
-use crate::physics::tensor::{apply, deviator_invariants, scaled, times_transpose};
-use crate::simd::{Mask, Simd, math};
+use crate::acoustic::Stiffness;
+use crate::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
+use crate::tensor::{apply, deviator_invariants, scaled, times_transpose};
+use simd::{Mask, Simd, math};
 
 /// Transversely isotropic hyperelasticity (Weiss, Maker & Govindjee 1996; Ionescu et al. 2006, eqs. 1–5):
 /// W = C₁ (tr b̃ − 3) + F₂(λ̃) + K/2 (ln J)², with b̃ = J^(−2/3) F Fᵀ, λ̃ = J^(−1/3) λ, λ = |F a₀|, and

@@ -1,0 +1,16 @@
+//! Where data live: columns of particles, lines of nodes, values of materials and the run, and the views that tasks receive.
+pub mod activate;
+pub mod exact_sum;
+pub mod extent;
+pub mod fields;
+pub mod layout;
+mod map;
+pub mod nodes;
+pub mod particles;
+pub mod rates;
+pub mod reduction;
+pub mod schedule;
+pub mod shared;
+pub mod view;
+pub mod warehouse;
+pub mod workspace;

@@ -1,0 +1,71 @@
+//! Values that are the same everywhere: of materials, and of the run.
+use super::reduction;
+use crate::schema::{Home, LabelId, Life, Schema};
+use bytemuck::Pod;
+use simd::Wide;
+
+/// Labels of home `Material` (a tile a material) and `Run` (one tile).
+#[derive(Clone, Debug)]
+pub struct Shared {
+    schema: &'static Schema,
+    lines: Vec<Wide>,
+    /// First line of each label, and the end.
+    starts: Vec<usize>,
+}
+
+impl Shared {
+    /// Values to which nobody has contributed.
+    pub fn new(schema: &'static Schema, materials: usize) -> Self {
+        let tiles = |label: LabelId| match label.home() {
+            Home::Material => materials,
+            Home::Run => 1,
+            _ => 0,
+        };
+        let mut starts = vec![0];
+        for label in schema.labels() {
+            starts.push(starts[label.index()] + tiles(label) * label.width());
+        }
+        let total = starts[schema.len()];
+        let mut shared = Self { schema, lines: vec![Wide::default(); total], starts };
+        schema.labels().for_each(|label| reduction::clear(label.combine(), shared.column_mut(label)));
+        shared
+    }
+
+    /// All tiles of a label.
+    pub fn column(&self, label: LabelId) -> &[Wide] {
+        &self.lines[self.starts[label.index()]..self.starts[label.index() + 1]]
+    }
+
+    /// All tiles of a label.
+    pub fn column_mut(&mut self, label: LabelId) -> &mut [Wide] {
+        &mut self.lines[self.starts[label.index()]..self.starts[label.index() + 1]]
+    }
+
+    /// The value of a label (`material` 0 for home `Run`).
+    pub fn get<T: Pod>(&self, label: LabelId, material: usize) -> T {
+        let tiles: &[T] = bytemuck::cast_slice(self.column(label));
+        tiles[material]
+    }
+
+    /// Sets the value of a label (`material` 0 for home `Run`).
+    pub fn set<T: Pod>(&mut self, label: LabelId, material: usize, value: T) {
+        let tiles: &mut [T] = bytemuck::cast_slice_mut(self.column_mut(label));
+        tiles[material] = value;
+    }
+
+    /// The labels that pass from step to step.
+    pub fn carried(&self) -> impl Iterator<Item = LabelId> + use<> {
+        self.schema.labels().filter(|label| label.is_shared() && label.life() == Life::Carried)
+    }
+
+    /// The shared labels with their columns, in the order of the schema.
+    pub fn columns_mut(&mut self) -> impl Iterator<Item = (LabelId, &mut [Wide])> {
+        let (mut rest, starts) = (&mut self.lines[..], &self.starts);
+        self.schema.labels().filter(|label| label.is_shared()).map(move |label| {
+            let length = starts[label.index() + 1] - starts[label.index()];
+            let (column, after) = std::mem::take(&mut rest).split_at_mut(length);
+            rest = after;
+            (label, column)
+        })
+    }
+}

@@ -1,0 +1,149 @@
+//! Programs as they run: their graphs one after the other, loops until they are done.
+use super::meter::What;
+use super::ranks::{Network, NetworkError};
+use super::relocate::Relocation;
+use super::traveler::Traveler;
+use super::{Engine, Executor};
+use crate::data::shared::Shared;
+use crate::data::warehouse::{MaterialData, Warehouse};
+use crate::graph::build::TaskGraph;
+use crate::program::{Loop, Node, Program};
+
+/// What an application decides while a program runs.
+pub trait Conductor {
+    /// Why it stops a program.
+    type Error: From<NetworkError>;
+
+    /// Whether a particle outside of the level is put back into it, at its position then; it may contribute to shared labels.
+    fn puts_back(
+        &mut self,
+        _particle: &mut Traveler,
+        _materials: &[MaterialData],
+        _shared: &mut Shared,
+    ) -> bool {
+        false
+    }
+
+    /// A graph has run, and its reductions are complete; particles that change their block have not moved yet, and those
+    /// outside of the level are still there.
+    ///
+    /// # Errors
+    /// What stops the program.
+    fn ran(
+        &mut self,
+        _graph: &TaskGraph,
+        _warehouse: &Warehouse,
+        _relocation: &Relocation,
+    ) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
+    /// A loop has ended after some rounds: because its label said so, or because there were too many.
+    ///
+    /// # Errors
+    /// What stops the program.
+    fn looped(
+        &mut self,
+        _loop: &Loop,
+        _rounds: u64,
+        _enough: bool,
+        _warehouse: &Warehouse,
+    ) -> Result<(), Self::Error> {
+        Ok(())
+    }
+}
+
+/// Lets everything happen, but a loop that does not end as its label says.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Undirected;
+
+/// Why a program that nobody conducts stopped.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Stopped {
+    /// Ranks that cannot go on together.
+    #[error("{0}")]
+    Network(#[from] NetworkError),
+    /// A loop that had as many rounds as it may have.
+    #[error("{label} did not hold after {rounds} rounds")]
+    Rounds {
+        /// The label that the loop waits for.
+        label: &'static str,
+        /// How many rounds.
+        rounds: u64,
+    },
+}
+
+impl Conductor for Undirected {
+    type Error = Stopped;
+
+    fn looped(
+        &mut self,
+        it: &Loop,
+        rounds: u64,
+        enough: bool,
+        _warehouse: &Warehouse,
+    ) -> Result<(), Stopped> {
+        if enough { Ok(()) } else { Err(Stopped::Rounds { label: it.until.name(), rounds }) }
+    }
+}
+
+impl<E: Executor> Engine<E> {
+    /// Runs a program once.
+    ///
+    /// # Errors
+    /// What the conductor says, or a rank that is gone.
+    pub fn execute<C: Conductor>(
+        &mut self,
+        program: &Program,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+        conductor: &mut C,
+    ) -> Result<(), C::Error> {
+        self.nodes(&program.nodes, warehouse, network, conductor)
+    }
+
+    fn nodes<C: Conductor>(
+        &mut self,
+        nodes: &[Node],
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+        conductor: &mut C,
+    ) -> Result<(), C::Error> {
+        for node in nodes {
+            match node {
+                Node::Graph(graph) => self.graph(graph, warehouse, network, conductor)?,
+                Node::Loop(it) => {
+                    let (mut rounds, mut enough) = (0, false);
+                    while !enough && rounds < it.most {
+                        self.nodes(&it.body, warehouse, network, conductor)?;
+                        rounds += 1;
+                        enough = warehouse.shared.column(it.until)[0].0[0] != 0.0;
+                    }
+                    conductor.looped(it, rounds, enough, warehouse)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn graph<C: Conductor>(
+        &mut self,
+        graph: &TaskGraph,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+        conductor: &mut C,
+    ) -> Result<(), C::Error> {
+        self.run(graph, warehouse, network)?;
+        if !graph.moves_particles() {
+            self.reduce(None, &graph.at_end, &mut warehouse.shared, network)?;
+            return conductor.ran(graph, warehouse, &Relocation::default());
+        }
+        let mut puts_back = |particle: &mut Traveler, materials: &[MaterialData], shared: &mut Shared| {
+            conductor.puts_back(particle, materials, shared)
+        };
+        let relocation = self.relocate(graph, warehouse, network, &mut puts_back)?;
+        conductor.ran(graph, warehouse, &relocation)?;
+        self.metered(What::Relocation, || relocation.carry_out(warehouse));
+        Ok(())
+    }
+}

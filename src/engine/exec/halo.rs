@@ -1,0 +1,277 @@
+//! Node data between blocks: what each block's particles add to nodes of others, and the nodes they read.
+//!
+//! Only the nodes that a block's particles can touch take part (see `ParticleBlock::touched`): the rest of its buffer
+//! holds nothing.
+use crate::data::nodes::{NOWHERE, NodeBlock, Place};
+use crate::data::particles::ParticleBlock;
+use crate::data::reduction;
+use crate::data::warehouse::{NodePatch, ParticlePatch};
+use crate::schema::Combine;
+use grid::{BlockShape, IndexBox, offset};
+use simd::{Job, Simd, Wide, prefetch};
+use std::ops::Range;
+
+/// For one axis: the nodes of a block that lie in the buffer of the block at offset `d`, and what to add to them to get their
+/// index in that buffer.
+#[inline(always)]
+fn shared_nodes(shape: &BlockShape, axis: usize, d: i32) -> (Range<i32>, i32) {
+    let (nodes, below) = (shape.nodes[axis], shape.below[axis]);
+    let to_buffer = below - d * nodes;
+    let first = (-to_buffer).max(0);
+    (first..(shape.buffer[axis] - to_buffer).min(nodes), to_buffer)
+}
+
+/// The nodes that a block shares with the `touched` part of the buffer of the one at `d`, and what to add to them to get their
+/// index in that buffer.
+#[inline(always)]
+pub fn overlap(shape: &BlockShape, d: [i32; 3], touched: &IndexBox) -> Option<(IndexBox, [i32; 3])> {
+    let (mut nodes, mut shift) = (IndexBox { lower: [0; 3], upper: [0; 3] }, [0; 3]);
+    for a in 0..3 {
+        let (shared, to_buffer) = shared_nodes(shape, a, d[a]);
+        let low = shared.start.max(touched.lower[a] - to_buffer);
+        let high = shared.end.min(touched.upper[a] - to_buffer);
+        if low >= high {
+            return None;
+        }
+        (nodes.lower[a], nodes.upper[a], shift[a]) = (low, high, to_buffer);
+    }
+    Some((nodes, shift))
+}
+
+/// Runs `each(nodes, nodes of the buffer)` on every pencil along z that a block shares with the `touched` part of the buffer
+/// of the one at `d`.
+#[inline(always)]
+pub fn pencils(
+    shape: &BlockShape,
+    d: [i32; 3],
+    touched: &IndexBox,
+    mut each: impl FnMut(Range<usize>, Range<usize>),
+) {
+    let Some((nodes, shift)) = overlap(shape, d, touched) else { return };
+    let IndexBox { lower: [x0, y0, z0], upper: [x1, y1, z1] } = nodes;
+    let ([nx, ny, _], [bx, by, _]) = (shape.node_strides, shape.buffer_strides);
+    for x in x0..x1 {
+        for y in y0..y1 {
+            let own = (x * nx + y * ny + z0) as usize;
+            let line = ((x + shift[0]) * bx + (y + shift[1]) * by + z0 + shift[2]) as usize;
+            let count = (z1 - z0) as usize;
+            each(own..own + count, line..line + count);
+        }
+    }
+}
+
+/// The lines of some nodes, of so many lines each.
+#[inline(always)]
+pub fn lines(nodes: Range<usize>, width: usize) -> Range<usize> {
+    nodes.start * width..nodes.end * width
+}
+
+/// Sets the touched lines of the buffers of some fields to what adds nothing.
+pub struct Clear<'a> {
+    /// The buffers, one after the other.
+    pub buffers: &'a mut [Wide],
+    /// Lines a node.
+    pub width: usize,
+    /// What adds nothing.
+    pub nothing: f64,
+    /// How nodes follow one another.
+    pub shape: &'a BlockShape,
+    /// Their part.
+    pub touched: &'a IndexBox,
+}
+
+impl Job for Clear<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        let [lower, upper] = [self.touched.lower, self.touched.upper].map(|n| n.map(|i| i as usize));
+        let [sx, sy, _] = self.shape.buffer_strides.map(|s| s as usize);
+        let nothing = S::splat(self.nothing);
+        for buffer in self.buffers.chunks_exact_mut(self.shape.buffer_len() * self.width) {
+            for x in lower[0]..upper[0] {
+                for y in lower[1]..upper[1] {
+                    let row = x * sx + y * sy;
+                    let row = lines(row + lower[2]..row + upper[2], self.width);
+                    buffer[row].iter_mut().for_each(|line| nothing.store(line));
+                }
+            }
+        }
+    }
+}
+
+/// What the blocks around a node block add to the nodes of one field.
+#[derive(Clone, Copy)]
+pub struct Around<'a> {
+    /// Which label (see [`ParticleBlock::partials`]).
+    pub place: usize,
+    /// The material.
+    pub material: usize,
+    /// Which field of the material.
+    pub field: usize,
+    /// Lines a node.
+    pub width: usize,
+    /// How nodes follow one another.
+    pub shape: &'a BlockShape,
+    /// All particle blocks.
+    pub particles: &'a [Vec<ParticlePatch>],
+    /// The blocks around.
+    pub around: &'a [Place; 27],
+}
+
+impl<'a> Around<'a> {
+    #[inline(always)]
+    fn block(&self, q: usize) -> Option<&'a ParticleBlock> {
+        let (patch, at) = *self.around.get(q).filter(|&&n| n != NOWHERE)?;
+        Some(&self.particles[patch as usize][self.material].blocks[at as usize])
+    }
+
+    /// The buffer of the `q`-th block around and its part that holds something.
+    #[inline(always)]
+    fn partial(&self, q: usize) -> Option<(&'a [Wide], &'a IndexBox)> {
+        let block = self.block(q)?;
+        let length = self.shape.buffer_len() * self.width;
+        let partial = block.partials[self.place].get(self.field * length..(self.field + 1) * length)?;
+        Some((partial, &block.touched))
+    }
+
+    /// Whether any block around touches the nodes.
+    pub fn is_something(&self) -> bool {
+        let touches =
+            |q| self.block(q).is_some_and(|block| overlap(self.shape, offset(q), &block.touched).is_some());
+        // the block itself first: mostly that settles it
+        touches(13) || (0..27).any(touches)
+    }
+
+    /// Asks for the lines that the `q`-th block around adds.
+    #[inline(always)]
+    fn announce(&self, q: usize) {
+        if let Some((partial, touched)) = self.partial(q) {
+            pencils(self.shape, offset(q), touched, |_, there| {
+                lines(there, self.width).for_each(|line| prefetch(&partial[line..], 0));
+            });
+        }
+    }
+}
+
+/// The sums of a block's nodes: what all blocks around add to them, in the order of `grid::around`.
+pub struct SumPartials<'a> {
+    /// The summands.
+    pub from: Around<'a>,
+    /// How they combine.
+    pub combine: Combine,
+    /// The sums.
+    pub sums: &'a mut [Wide],
+}
+
+/// How many neighbors ahead buffers are asked for.
+const AHEAD: usize = 3;
+
+impl Job for SumPartials<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        let Self { from, combine, sums } = self;
+        if combine != Combine::Sum {
+            return merge(&from, combine, sums);
+        }
+        sums.fill(Wide::default());
+        (0..AHEAD).for_each(|q| from.announce(q));
+        for q in 0..27 {
+            from.announce(q + AHEAD);
+            let Some((partial, touched)) = from.partial(q) else { continue };
+            pencils(from.shape, offset(q), touched, |own, there| {
+                let (own, there) = (lines(own, from.width), lines(there, from.width));
+                for (sum, part) in sums[own].iter_mut().zip(&partial[there]) {
+                    (S::load(sum) + S::load(part)).store(sum);
+                }
+            });
+        }
+    }
+}
+
+/// The same for what combines in any order.
+fn merge(from: &Around<'_>, combine: Combine, sums: &mut [Wide]) {
+    reduction::clear(combine, sums);
+    for q in 0..27 {
+        let Some((partial, touched)) = from.partial(q) else { continue };
+        pencils(from.shape, offset(q), touched, |own, there| {
+            let (own, there) = (lines(own, from.width), lines(there, from.width));
+            reduction::merge(combine, &mut sums[own], &partial[there]);
+        });
+    }
+}
+
+/// The values of the nodes around a particle block, as far as its particles touch them.
+#[derive(Clone, Copy)]
+pub struct ValuesAround<'a> {
+    /// Which label (see [`NodeBlock::column`]).
+    pub place: usize,
+    /// The field.
+    pub field: crate::data::fields::FieldId,
+    /// Lines a node.
+    pub width: usize,
+    /// How nodes follow one another.
+    pub shape: &'a BlockShape,
+    /// All node blocks.
+    pub nodes: &'a [NodePatch],
+    /// The blocks around.
+    pub around: &'a [Place; 27],
+    /// The part of the block's buffer that is touched.
+    pub touched: &'a IndexBox,
+}
+
+impl<'a> ValuesAround<'a> {
+    /// The values of the `q`-th node block around.
+    #[inline(always)]
+    fn values(&self, q: usize) -> Option<&'a [Wide]> {
+        let (patch, at) = *self.around.get(q).filter(|&&n| n != NOWHERE)?;
+        let block: &NodeBlock = &self.nodes[patch as usize].blocks[at as usize];
+        let length = self.shape.node_count() * self.width;
+        let slot = block.slot(self.field)?;
+        block.column(self.place).get(slot * length..(slot + 1) * length)
+    }
+
+    /// Asks for the lines that the `q`-th node block around has.
+    #[inline(always)]
+    fn announce(&self, q: usize) {
+        if let Some(values) = self.values(q) {
+            pencils(self.shape, back(q), self.touched, |own, _| {
+                lines(own, self.width).for_each(|line| prefetch(&values[line..], 0));
+            });
+        }
+    }
+}
+
+/// Seen from the `q`-th block around, this one lies the other way.
+#[inline(always)]
+pub fn back(q: usize) -> [i32; 3] {
+    let [x, y, z] = offset(q);
+    [-x, -y, -z]
+}
+
+/// Fills a block's buffer with the values of the nodes around.
+pub struct LoadRegion<'a> {
+    /// With what.
+    pub from: ValuesAround<'a>,
+    /// The buffer.
+    pub region: &'a mut [Wide],
+}
+
+impl Job for LoadRegion<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        let Self { from, region } = self;
+        (0..AHEAD).for_each(|q| from.announce(q));
+        for q in 0..27 {
+            from.announce(q + AHEAD);
+            let Some(values) = from.values(q) else { continue };
+            pencils(from.shape, back(q), from.touched, |own, here| {
+                let (own, here) = (lines(own, from.width), lines(here, from.width));
+                for (to, from) in region[here].iter_mut().zip(&values[own]) {
+                    S::load(from).store(to);
+                }
+            });
+        }
+    }
+}

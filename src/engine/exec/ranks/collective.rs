@@ -1,0 +1,156 @@
+//! What all ranks do together, made of messages between two. All of them must call it, in the same order.
+use super::words::{put, take};
+use super::{Channel, Network, NetworkError, pack, unpack};
+use simd::Wide;
+
+/// Merges the messages of all ranks: afterwards each has the result. `merge` must commute and associate exactly, then all
+/// have the same bits. Recursive doubling; R. Thakur, R. Rabenseifner, W. Gropp, IJHPCA 19, 2005, 49–66.
+///
+/// # Errors
+/// If a rank is gone.
+pub fn reduce(
+    network: &mut dyn Network,
+    message: &mut Vec<Wide>,
+    mut merge: impl FnMut(&mut [Wide], &[Wide]),
+) -> Result<(), NetworkError> {
+    let (rank, size) = (network.rank(), network.size());
+    let whole = 1 << size.ilog2();
+    let extra = size - whole;
+    if rank >= whole {
+        network.send(rank - whole, Channel::Reduction, message.clone());
+        *message = network.receive(rank - whole, Channel::Reduction)?;
+        return Ok(());
+    }
+    let mut add = |network: &mut dyn Network, from, message: &mut Vec<Wide>| {
+        let part = network.receive(from, Channel::Reduction)?;
+        merge(message, &part);
+        network.give_back(part);
+        Ok(())
+    };
+    if rank < extra {
+        add(network, rank + whole, message)?;
+    }
+    for bit in 0..whole.ilog2() {
+        let peer = rank ^ 1 << bit;
+        let mut copy = network.memory(message.len());
+        copy.extend_from_slice(message);
+        network.send(peer, Channel::Reduction, copy);
+        add(network, peer, message)?;
+    }
+    if rank < extra {
+        network.send(rank + whole, Channel::Reduction, message.clone());
+    }
+    Ok(())
+}
+
+/// Number by number, the sums of what the ranks have (wrapping).
+///
+/// # Errors
+/// If a rank is gone.
+pub fn sum(network: &mut dyn Network, words: &mut [u64]) -> Result<(), NetworkError> {
+    if network.size() == 1 {
+        return Ok(());
+    }
+    let mut message = pack(words);
+    reduce(network, &mut message, |into, from| {
+        let into: &mut [u64] = bytemuck::cast_slice_mut(into);
+        let pairs = into.iter_mut().zip(bytemuck::cast_slice::<_, u64>(from));
+        pairs.skip(1).for_each(|(a, &b)| *a = a.wrapping_add(b));
+    })?;
+    words.copy_from_slice(unpack(&message));
+    Ok(())
+}
+
+/// Gives the message of rank 0 to all.
+///
+/// # Errors
+/// If a rank is gone.
+pub fn broadcast(network: &mut dyn Network, message: &mut Vec<Wide>) -> Result<(), NetworkError> {
+    let (rank, size) = (network.rank(), network.size());
+    if rank > 0 {
+        // from the rank without this one's lowest bit
+        *message = network.receive(rank & (rank - 1), Channel::Reduction)?;
+    }
+    let bits = if rank == 0 { usize::BITS } else { rank.trailing_zeros() };
+    let to = (0..bits).rev().map_while(|bit| rank.checked_add(1usize.checked_shl(bit)?));
+    for to in to.filter(|&to| to < size) {
+        network.send(to, Channel::Reduction, message.clone());
+    }
+    Ok(())
+}
+
+/// Brings the messages of all ranks to rank 0, which takes them in the order of ranks.
+///
+/// # Errors
+/// If a rank is gone.
+pub fn gather(
+    network: &mut dyn Network,
+    message: Vec<Wide>,
+    mut take: impl FnMut(usize, &[Wide]),
+) -> Result<(), NetworkError> {
+    if network.rank() > 0 {
+        network.send(0, Channel::Reduction, message);
+        return Ok(());
+    }
+    take(0, &message);
+    for rank in 1..network.size() {
+        take(rank, &network.receive(rank, Channel::Reduction)?);
+    }
+    Ok(())
+}
+
+/// The messages of all ranks, on each of them: for small ones.
+///
+/// # Errors
+/// If a rank is gone.
+pub fn share(network: &mut dyn Network, words: &[u64]) -> Result<Vec<Vec<u64>>, NetworkError> {
+    let mut all = Vec::new();
+    gather(network, pack(words), |_, message| {
+        let words = unpack(message);
+        all.push(words.len() as u64);
+        all.extend_from_slice(words);
+    })?;
+    let mut message = pack(&all);
+    broadcast(network, &mut message)?;
+    let mut rest = unpack(&message);
+    let mut lists = Vec::with_capacity(network.size());
+    while let Some((&count, after)) = rest.split_first() {
+        let (list, others) = after.split_at((count as usize).min(after.len()));
+        lists.push(list.to_vec());
+        rest = others;
+    }
+    Ok(lists)
+}
+
+/// A text of rank 0, on all ranks.
+///
+/// # Errors
+/// If a rank is gone.
+pub fn text_from_first(network: &mut dyn Network, text: &str) -> Result<String, NetworkError> {
+    let mut words = Vec::new();
+    put(&mut words, text.as_bytes());
+    let mut message = pack(&words);
+    broadcast(network, &mut message)?;
+    Ok(text_of(unpack(&message)))
+}
+
+/// The first rank that failed, and why, if one did; the same on all ranks.
+///
+/// # Errors
+/// If a rank is gone.
+pub fn first_error(
+    network: &mut dyn Network,
+    mine: Option<&str>,
+) -> Result<Option<(usize, String)>, NetworkError> {
+    let mut words = Vec::new();
+    if let Some(text) = mine {
+        put(&mut words, text.as_bytes());
+    }
+    let all = share(network, &words)?;
+    let failed = all.iter().enumerate().find(|(_, words)| !words.is_empty());
+    Ok(failed.map(|(rank, words)| (rank, text_of(words))))
+}
+
+fn text_of(mut words: &[u64]) -> String {
+    String::from_utf8_lossy(&take::<u8>(&mut words)).into_owned()
+}

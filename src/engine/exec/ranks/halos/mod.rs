@@ -1,0 +1,218 @@
+//! What a rank's blocks add to nodes of other ranks, and the values of nodes that come back.
+//!
+//! Both sides derive the same lists from where occupied blocks are, so that messages carry numbers alone: for each particle
+//! block a line that says which nodes it touches, then its partial sums there; for each node block the nodes that are read.
+//! The receiver keeps them in blocks without particles, in the place of the sender's: node sums are then taken over all
+//! blocks around in the same order on any number of ranks.
+mod adder;
+mod message;
+mod read;
+
+use super::occupied::Beside;
+use super::{Channel, Network, NetworkError};
+use crate::data::warehouse::{NodePatch, ParticlePatch, Warehouse};
+use crate::exec::Executor;
+use crate::exec::stage::Context;
+use crate::graph::exchange::{Exchange, Way};
+use adder::{Adder, adders};
+use message::{Header, Reader, columns, width};
+use read::{Read, read, rows};
+use simd::Wide;
+
+/// What passes between this rank and another.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Neighbor {
+    rank: usize,
+    /// Blocks here that add to nodes there, and the nodes there that they read.
+    adders_here: Vec<Adder>,
+    read_there: Vec<Read>,
+    /// Blocks there that add to nodes here, and the nodes here that they read.
+    adders_there: Vec<Adder>,
+    read_here: Vec<Read>,
+}
+
+/// The neighbors of a rank.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Halos {
+    neighbors: Vec<Neighbor>,
+}
+
+/// Where a message goes or comes from, and what it is about.
+type To<'a, 'n> = (&'a mut (dyn Network + 'n), Channel);
+type From<'a> = (usize, Channel, &'a [Wide]);
+
+impl Halos {
+    /// What passes between this rank and those `beside`, for the blocks that are active now.
+    pub fn new(warehouse: &Warehouse, beside: &[Beside]) -> Self {
+        let partition = &warehouse.partition;
+        let neighbors = beside.iter().map(|beside| {
+            let rank = beside.rank;
+            let (mine, theirs) = (|patch| partition.is_mine(patch), |patch| partition.rank_of(patch) == rank);
+            let (adders_here, adders_there) =
+                (adders(warehouse, mine, theirs), adders(warehouse, theirs, mine));
+            let (read_there, read_here) = (read(warehouse, &adders_here), read(warehouse, &adders_there));
+            Neighbor { rank, adders_here, read_there, adders_there, read_here }
+        });
+        let some = |it: &Neighbor| !it.adders_here.is_empty() || !it.adders_there.is_empty();
+        Self { neighbors: neighbors.filter(some).collect() }
+    }
+
+    /// The ranks that send something in this tick, and how many lines at most.
+    pub fn senders(
+        &self,
+        exchange: &Exchange,
+        context: &Context<'_>,
+    ) -> impl Iterator<Item = (usize, usize)> {
+        let schedule = context.schedule;
+        let most = move |it: &Neighbor| -> usize {
+            match exchange.way {
+                Way::Partials => {
+                    let adders = it.adders_there.iter().filter(|adder| schedule.begins(adder.material));
+                    adders.map(|adder| adder.most(exchange, context)).sum()
+                }
+                Way::Values => {
+                    let read = it.read_there.iter().filter(|read| schedule.ends(read.material));
+                    read.map(|read| context.shape.node_count() * width(exchange, context, read.material))
+                        .sum()
+                }
+            }
+        };
+        self.neighbors.iter().map(move |it| (it.rank, most(it))).filter(|(_, most)| *most > 0)
+    }
+
+    /// Sends what the materials that begin a step have added to nodes of others, packed by all workers; returns messages
+    /// and lines.
+    pub fn send_partials<E: Executor>(
+        &self,
+        (network, channel): To<'_, '_>,
+        exchange: &Exchange,
+        context: &Context<'_>,
+        particles: &[Vec<ParticlePatch>],
+        executor: &E,
+    ) -> [usize; 2] {
+        let mut sent = [0; 2];
+        for neighbor in &self.neighbors {
+            let adders = neighbor.adders_here.iter().filter(|adder| context.schedule.begins(adder.material));
+            let sizes: Vec<(&Adder, usize)> =
+                adders.map(|adder| (adder, adder.size(exchange, context, particles))).collect();
+            if sizes.is_empty() {
+                continue;
+            }
+            let mut message = network.message(sizes.iter().map(|(_, lines)| lines).sum());
+            let mut rest = &mut message[..];
+            let piece = |(adder, lines)| {
+                let (piece, after) = std::mem::take(&mut rest).split_at_mut(lines);
+                rest = after;
+                (adder, piece)
+            };
+            let mut pieces: Vec<(&Adder, &mut [Wide])> = sizes.into_iter().map(piece).collect();
+            executor.each(&mut pieces, |_, (adder, piece)| adder.pack(exchange, context, particles, piece));
+            sent = [sent[0] + 1, sent[1] + message.len()];
+            network.send(neighbor.rank, channel, message);
+        }
+        sent
+    }
+
+    /// Puts the partial sums of another rank in their place, by all workers.
+    ///
+    /// # Errors
+    /// A message of another length than the blocks say.
+    pub fn unpack_partials<E: Executor>(
+        &self,
+        (rank, channel, message): From<'_>,
+        exchange: &Exchange,
+        context: &Context<'_>,
+        particles: &mut [Vec<ParticlePatch>],
+        executor: &E,
+    ) -> Result<(), NetworkError> {
+        let mut reader = Reader { message, at: 0 };
+        let neighbor = self.neighbors.iter().find(|it| it.rank == rank);
+        let adders = neighbor.map_or(&[][..], |it| &it.adders_there);
+        let mut adders = adders.iter().filter(|it| context.schedule.begins(it.material)).peekable();
+        let mut pieces = Vec::new();
+        for (patch, homes) in particles.iter_mut().enumerate() {
+            if adders.peek().is_none_or(|adder| adder.place.0 != patch) {
+                continue;
+            }
+            for (material, home) in homes.iter_mut().enumerate() {
+                for (at, block) in home.blocks.iter_mut().enumerate() {
+                    let this = |adder: &&Adder| (adder.place, adder.material) == ((patch, at), material);
+                    if let Some(adder) = adders.next_if(this) {
+                        let header = Header::read(reader.next(1));
+                        let length = adder.lines(exchange, context, &header);
+                        pieces.push((adder, block, header, reader.next(length)));
+                    }
+                }
+            }
+        }
+        reader.finish(rank, channel)?;
+        executor.each(&mut pieces, |_, (adder, block, header, message)| {
+            adder.unpack(exchange, context, block, header, message);
+        });
+        Ok(())
+    }
+
+    /// Sends the values of nodes that particles of others read, of the materials whose step ends; returns messages and
+    /// lines.
+    pub fn send_values(
+        &self,
+        (network, channel): To<'_, '_>,
+        exchange: &Exchange,
+        context: &Context<'_>,
+        (particles, nodes): (&[Vec<ParticlePatch>], &[NodePatch]),
+    ) -> [usize; 2] {
+        let mut sent = [0; 2];
+        for neighbor in &self.neighbors {
+            let ends = |read: &&Read| context.schedule.ends(read.material);
+            let most = neighbor.read_here.iter().filter(ends);
+            let most =
+                most.map(|it| context.shape.node_count() * width(exchange, context, it.material)).sum();
+            if most == 0 {
+                continue;
+            }
+            let mut message = network.memory(most);
+            for read in neighbor.read_here.iter().filter(ends) {
+                let block = &nodes[read.place.0].blocks[read.place.1];
+                let nodes = read.nodes(&context.shape, &neighbor.adders_there, particles);
+                for (label, field) in columns(exchange, context, read.material) {
+                    let values = block.lines(context.node_layout, label, field).unwrap_or_default();
+                    rows(&context.shape, &nodes, label.width())
+                        .filter_map(|row| values.get(row))
+                        .for_each(|row| message.extend_from_slice(row));
+                }
+            }
+            sent = [sent[0] + 1, sent[1] + message.len()];
+            network.send(neighbor.rank, channel, message);
+        }
+        sent
+    }
+
+    /// Puts the values of nodes of another rank in their place.
+    ///
+    /// # Errors
+    /// A message of another length than the blocks say.
+    pub fn unpack_values(
+        &self,
+        (rank, channel, message): From<'_>,
+        exchange: &Exchange,
+        context: &Context<'_>,
+        (particles, nodes): (&[Vec<ParticlePatch>], &mut [NodePatch]),
+    ) -> Result<(), NetworkError> {
+        let mut reader = Reader { message, at: 0 };
+        for neighbor in self.neighbors.iter().filter(|it| it.rank == rank) {
+            for read in neighbor.read_there.iter().filter(|read| context.schedule.ends(read.material)) {
+                let touched = read.nodes(&context.shape, &neighbor.adders_here, particles);
+                let block = &mut nodes[read.place.0].blocks[read.place.1];
+                for (label, field) in columns(exchange, context, read.material) {
+                    let values = block.lines_mut(context.node_layout, label, field).unwrap_or_default();
+                    for row in rows(&context.shape, &touched, label.width()) {
+                        if let Some(into) = values.get_mut(row) {
+                            into.copy_from_slice(reader.next(into.len()));
+                        }
+                    }
+                }
+            }
+        }
+        reader.finish(rank, channel)
+    }
+}

@@ -1,0 +1,286 @@
+//! Moves particles that drifted out of reach of their block to the block, the patch and the rank where they are now.
+use super::order::{END, Op};
+use super::ranks::occupied::Beside;
+use super::ranks::reduction::{self, Counters};
+use super::ranks::{Channel, Network, NetworkError, collective, pack, unpack};
+use super::trace::{Event, Kind, Recorder};
+use super::traveler::Traveler;
+use crate::data::extent::{out_of_reach, outside};
+use crate::data::particles::ParticleBlock;
+use crate::data::shared::Shared;
+use crate::data::warehouse::{MaterialData, Warehouse};
+use crate::schema::LabelId;
+use simd::Wide;
+
+/// What becomes of particles outside of the level: whether one is put back into it (at its position then), and what that
+/// contributes to shared labels.
+pub type Leaving<'a> = dyn FnMut(&mut Traveler, &[MaterialData], &mut Shared) -> bool + 'a;
+
+/// How particles come to other ranks.
+pub struct Way<'a> {
+    /// The ranks.
+    pub network: &'a mut dyn Network,
+    /// Those in sight.
+    pub beside: &'a [Beside],
+    /// What is reduced over all ranks on the way.
+    pub labels: &'a [LabelId],
+    /// What becomes of particles outside of the level.
+    pub leaving: &'a mut Leaving<'a>,
+    /// What is done when.
+    pub trace: &'a Recorder,
+}
+
+/// Particles that are about to move: they stay in their blocks until [`Relocation::carry_out`].
+#[derive(Debug, Default)]
+pub struct Relocation {
+    /// Patch, material and position of blocks, and who leaves them.
+    leaving: Vec<([usize; 3], Vec<usize>)>,
+    arriving: Vec<Traveler>,
+    left: Vec<Traveler>,
+    /// Travelers to ranks out of sight.
+    far: Vec<u64>,
+    /// Whether a block somewhere becomes occupied.
+    news: bool,
+    /// Particles here, of the materials that moved.
+    pub particles: u64,
+    /// Particles that came back into the level, on all ranks.
+    pub reflected: u64,
+}
+
+/// Indices of [`Counters`].
+const NEWS: usize = 0;
+const FAR: usize = 1;
+const SENT: usize = 2;
+const SENT_WHO: usize = 3;
+const CAME: usize = 4;
+const CAME_WHO: usize = 5;
+const LEFT: usize = 6;
+const REFLECTED: usize = 7;
+
+impl Relocation {
+    /// Finds the particles of the materials that `moved` and need to move, and brings those to the ranks where they belong;
+    /// on the way, labels are reduced over all ranks.
+    ///
+    /// Looks only at blocks of which a worker has seen, in their extent, that somebody left. Whether a particle moves depends
+    /// on the particle alone, and arrivals are ordered by where they come from: no decomposition shows.
+    ///
+    /// # Errors
+    /// If a rank is gone, or a particle was lost on the way.
+    pub fn prepare(
+        warehouse: &mut Warehouse,
+        way: &mut Way<'_>,
+        moved: impl Fn(usize) -> bool,
+    ) -> Result<Self, NetworkError> {
+        let began = way.trace.now();
+        let (mut relocation, mut travelers, gone) = Self::depart(warehouse, &moved);
+        for mut traveler in gone {
+            let Warehouse { materials, shared, .. } = &mut *warehouse;
+            let back = (way.leaving)(&mut traveler, materials, shared)
+                && warehouse.home(traveler.material, traveler.position).is_ok();
+            relocation.reflected += u64::from(back);
+            if back { travelers.push(traveler) } else { relocation.left.push(traveler) }
+        }
+        way.trace.record(0, began, Event::other(Kind::Relocate));
+        if way.network.size() == 1 {
+            relocation.arriving = travelers;
+        } else {
+            let mut counters = Counters::default();
+            for op in END {
+                match op {
+                    Op::SendTravelers => {
+                        relocation.send(warehouse, way, std::mem::take(&mut travelers), &mut counters);
+                    }
+                    Op::ReceiveTravelers => relocation.receive(warehouse, way, &mut counters)?,
+                    _ => {
+                        let began = way.trace.now();
+                        let shared = &mut warehouse.shared;
+                        reduction::reduce(way.network, way.labels, &moved, shared, &mut counters)?;
+                        way.trace.record(0, began, Event::reduction(None));
+                    }
+                }
+            }
+            relocation.conclude(warehouse, way.network, counters)?;
+        }
+        relocation.arriving.sort_by_key(|t| (t.material, t.from));
+        relocation.left.sort_by_key(|left| left.identity);
+        Ok(relocation)
+    }
+
+    /// Those that leave their blocks here for others, and for nowhere.
+    fn depart(warehouse: &Warehouse, moved: &impl Fn(usize) -> bool) -> (Self, Vec<Traveler>, Vec<Traveler>) {
+        let (mut relocation, mut travelers, mut lost) = (Self::default(), Vec::new(), Vec::new());
+        for patch in warehouse.partition.mine() {
+            let homes = warehouse.particles[patch].iter().enumerate();
+            for (material, home) in homes.filter(|(material, _)| moved(*material)) {
+                let data = &warehouse.materials[material];
+                relocation.particles += home.blocks.iter().map(|block| block.count as u64).sum::<u64>();
+                for (at, block) in home.blocks.iter().enumerate() {
+                    if block.leaving && block.count > 0 {
+                        let positions =
+                            depart(warehouse, data, (patch, material), block, &mut |traveler, gone| {
+                                let homeless = || warehouse.home(material, traveler.position).is_err();
+                                match gone || homeless() {
+                                    true => lost.push(traveler),
+                                    false => travelers.push(traveler),
+                                }
+                            });
+                        if !positions.is_empty() {
+                            relocation.leaving.push(([patch, material, at], positions));
+                        }
+                    }
+                }
+            }
+        }
+        (relocation, travelers, lost)
+    }
+
+    /// Sends travelers to their ranks.
+    fn send(
+        &mut self,
+        warehouse: &Warehouse,
+        way: &mut Way<'_>,
+        travelers: Vec<Traveler>,
+        counters: &mut Counters,
+    ) {
+        let Way { network, beside, trace, .. } = way;
+        let began = trace.now();
+        let mut bags: Vec<Vec<u64>> = vec![Vec::new(); beside.len()];
+        for traveler in travelers {
+            let home = warehouse.home(traveler.material, traveler.position);
+            let rank = home.map_or(network.rank(), |(_, patch)| warehouse.partition.rank_of(patch));
+            if rank == network.rank() {
+                self.arriving.push(traveler);
+                continue;
+            }
+            counters[SENT] += 1;
+            counters[SENT_WHO] = counters[SENT_WHO].wrapping_add(traveler.identity);
+            let neighbor = beside.iter().position(|beside| beside.rank == rank);
+            counters[FAR] += u64::from(neighbor.is_none());
+            traveler.write(neighbor.map_or(&mut self.far, |neighbor| &mut bags[neighbor]));
+        }
+        let mut lines = 0;
+        for (beside, bag) in beside.iter().zip(bags) {
+            let message = pack(&bag);
+            lines += message.len();
+            network.send(beside.rank, Channel::Travelers, message);
+        }
+        let sent = Event::other(Kind::Relocate).sent(beside.len(), lines * size_of::<Wide>());
+        trace.record(0, began, sent);
+    }
+
+    /// Takes in those that come here, and counts.
+    fn receive(
+        &mut self,
+        warehouse: &Warehouse,
+        way: &mut Way<'_>,
+        counters: &mut Counters,
+    ) -> Result<(), NetworkError> {
+        let Way { network, beside, trace, .. } = way;
+        let began = trace.now();
+        let messages = beside.iter().map(|beside| network.receive(beside.rank, Channel::Travelers));
+        let messages = messages.collect::<Result<Vec<_>, _>>()?;
+        trace.record(0, began, Event::reduction(None));
+        messages.iter().for_each(|message| self.take_in(warehouse, unpack(message), counters));
+        let known = |t: &Traveler| warehouse.is_occupied(t.material, t.position);
+        counters[NEWS] = u64::from(!self.arriving.iter().all(known));
+        counters[LEFT] = self.left.len() as u64;
+        counters[REFLECTED] = self.reflected;
+        Ok(())
+    }
+
+    /// What follows from the sums over all ranks: those that fly over a whole rank, and who left the level.
+    fn conclude(
+        &mut self,
+        warehouse: &Warehouse,
+        network: &mut dyn Network,
+        mut counters: Counters,
+    ) -> Result<(), NetworkError> {
+        if counters[FAR] > 0 {
+            let mut found = Counters::default();
+            for list in collective::share(network, &self.far)? {
+                self.take_in(warehouse, &list, &mut found);
+            }
+            collective::sum(network, &mut found)?;
+            (CAME..=CAME_WHO).for_each(|i| counters[i] = counters[i].wrapping_add(found[i]));
+        }
+        if counters[LEFT] > 0 {
+            self.share_left(warehouse, network)?;
+        }
+        self.reflected = counters[REFLECTED];
+        self.news = counters[NEWS] > 0 || counters[FAR] > 0;
+        if counters[SENT] != counters[CAME] || counters[SENT_WHO] != counters[CAME_WHO] {
+            return Err(NetworkError::Particles { sent: counters[SENT], came: counters[CAME] });
+        }
+        Ok(())
+    }
+
+    /// Takes in those of a list that belong here.
+    fn take_in(&mut self, warehouse: &Warehouse, mut words: &[u64], counters: &mut Counters) {
+        while let Some(traveler) = Traveler::read(&mut words, &warehouse.materials) {
+            let home = warehouse.home(traveler.material, traveler.position);
+            if home.is_ok_and(|(_, patch)| warehouse.partition.is_mine(patch)) {
+                counters[CAME] += 1;
+                counters[CAME_WHO] = counters[CAME_WHO].wrapping_add(traveler.identity);
+                self.arriving.push(traveler);
+            }
+        }
+    }
+
+    /// Tells all ranks who left the level.
+    fn share_left(&mut self, warehouse: &Warehouse, network: &mut dyn Network) -> Result<(), NetworkError> {
+        let mut words = Vec::new();
+        self.left.iter().for_each(|left| left.write(&mut words));
+        self.left.clear();
+        for list in collective::share(network, &words)? {
+            let mut words = &list[..];
+            self.left.extend(std::iter::from_fn(|| Traveler::read(&mut words, &warehouse.materials)));
+        }
+        Ok(())
+    }
+
+    /// Those outside the level, on any rank, by identity.
+    pub fn left(&self) -> &[Traveler] {
+        &self.left
+    }
+
+    /// Takes particles out of the blocks that they leave, and puts those that arrive in theirs.
+    pub fn carry_out(self, warehouse: &mut Warehouse) {
+        for ([patch, material, at], positions) in self.leaving {
+            let block = &mut warehouse.particles[patch][material].blocks[at];
+            let rest = warehouse.level.middle(block.index);
+            block.remove(&warehouse.materials[material].layout, rest, &positions);
+        }
+        for Traveler { material, position, record, .. } in self.arriving {
+            let inserted = warehouse.insert(material, position, &record);
+            debug_assert!(inserted.is_ok(), "who is not in the level has left it");
+        }
+        warehouse.stale |= self.news;
+    }
+}
+
+/// Hands out who leaves a block, and whether they leave the level too; returns their positions in the block.
+fn depart(
+    warehouse: &Warehouse,
+    data: &MaterialData,
+    (patch, material): (usize, usize),
+    block: &ParticleBlock,
+    each: &mut impl FnMut(Traveler, bool),
+) -> Vec<usize> {
+    let (level, layout, roles) = (&warehouse.level, &data.layout, &warehouse.schema.roles);
+    let mut leaving = Vec::new();
+    for particle in 0..block.count {
+        let get = |label, component| block.get(layout, label, particle, component);
+        let position: [f64; 3] = std::array::from_fn(|a| get(roles.position, a));
+        let y = level.base(position, data.half_size);
+        let gone = (0..3).any(|a| outside(level, a, y[a], data.half_size[a])) || !level.contains(position);
+        if !gone && !(0..3).any(|a| out_of_reach(level, block.index, a, y[a])) {
+            continue;
+        }
+        leaving.push(particle);
+        let identity = get(roles.identity, 0).to_bits();
+        let mut record = Vec::with_capacity(layout.total);
+        block.read(layout, particle, &mut record);
+        each(Traveler { from: (block.index, particle), material, patch, identity, position, record }, gone);
+    }
+    leaving
+}

@@ -1,0 +1,254 @@
+//! One stage on one block: columns are laid out, then the fused tasks run chunk by chunk.
+use super::buffers::Buffers;
+use super::halo::{Around, Clear, LoadRegion, SumPartials, ValuesAround};
+use super::meter::{Laps, Part, What};
+use super::scratch::{AHEAD, CHUNK, Scratch};
+use crate::data::extent;
+use crate::data::fields::{FieldId, Fields};
+use crate::data::layout::NodeLayout;
+use crate::data::nodes::{NodeBlock, is_there};
+use crate::data::particles::{ParticleBlock, Split};
+use crate::data::reduction;
+use crate::data::schedule::Schedule;
+use crate::data::shared::Shared;
+use crate::data::warehouse::{MaterialData, NodePatch, ParticlePatch};
+use crate::data::workspace::{Workspace, no_columns, recycle};
+use crate::graph::phase::Stage;
+use crate::graph::recipe::{Entry, Recipe};
+use crate::graph::task::{At, Domain, Mode, Runnable};
+use crate::schema::{Home, Life};
+use grid::{BlockShape, Level};
+use simd::{Isa, LANES, Wide};
+
+/// What is the same for all blocks of a phase.
+#[derive(Clone, Copy)]
+pub struct Context<'a> {
+    /// Instruction set.
+    pub isa: Isa,
+    /// The recipe.
+    pub recipe: &'a Recipe,
+    /// The grid.
+    pub level: &'a Level,
+    /// How the nodes of its blocks follow one another.
+    pub shape: BlockShape,
+    /// The materials.
+    pub materials: &'a [MaterialData],
+    /// Their velocity fields.
+    pub fields: &'a Fields,
+    /// Labels of nodes.
+    pub node_layout: &'a NodeLayout,
+    /// Who acts.
+    pub schedule: &'a Schedule,
+    /// Buffers for what blocks add to nodes.
+    pub buffers: &'a Buffers,
+}
+
+impl Context<'_> {
+    fn at(&self, index: [i32; 3]) -> At<'_> {
+        let (node, nodes) = (self.shape.first_node(index), self.shape.node_count());
+        At { origin: self.level.origin(index), count: 0, node, nodes, fields: &[] }
+    }
+
+    /// A span a task: at level TRACE, because a task runs for microseconds.
+    fn span(&self, entry: usize) -> tracing::span::Span {
+        let Entry { task, material, .. } = &self.recipe.entries[entry];
+        let material = material.map_or("", |m| &self.recipe.materials[m]);
+        tracing::trace_span!("task", name = task.declaration().name, material)
+    }
+
+    fn task(&self, entry: usize) -> &dyn Runnable {
+        &*self.recipe.entries[entry].task
+    }
+}
+
+/// Runs a particle stage on one block.
+pub fn sweep<const METERED: bool>(
+    context: &Context<'_>,
+    stage: &Stage,
+    nodes: &[NodePatch],
+    scratch: &mut Scratch,
+    block: &mut ParticleBlock,
+) {
+    let Some(material) = stage.material else { return };
+    let data = &context.materials[material];
+    let (mut laps, part) =
+        (Laps::<METERED>::begin(&mut scratch.tally), |part| What::Part(stage.entries[0], part));
+    let (mut columns, shared, _) = scratch.lend();
+    ready_buffers(context, stage, data.fields, block);
+    laps.lap(part(Part::Zeroing));
+    load_regions(context, stage, nodes, block, &mut columns);
+    laps.lap(part(Part::LoadRegion));
+    let (count, tiles, near, index) = (block.count, block.tiles(), block.near, block.index);
+    let Split { columns: own, partials, extent: bounds } = block.split(&data.layout);
+    own.for_each(|(label, column)| columns[label.index()] = column);
+    for (label, partial) in context.node_layout.partial().iter().zip(partials) {
+        if stage.adds.contains(label) {
+            columns[label.index()] = partial;
+        }
+    }
+    let extent = context.recipe.schema.roles.extent;
+    let widens = stage.touches(extent, Mode::writes);
+    if widens {
+        reduction::clear(extent.combine(), bounds);
+        columns[extent.index()] = bounds;
+    }
+    lend_shared(&mut columns, shared, Some(material));
+    let mut space = Workspace { columns, chunk: 0..0, ahead: AHEAD, widths: &data.layout.widths };
+    let mut at = context.at(index);
+    let traced = tracing::enabled!(tracing::Level::TRACE);
+    laps.lap(part(Part::Setup));
+    for first in (0..tiles).step_by(CHUNK) {
+        space.chunk = first..(first + CHUNK).min(tiles);
+        at.count = (count - first * LANES).min(CHUNK * LANES);
+        for &entry in &stage.entries {
+            let task = context.task(entry);
+            if near || task.declaration().domain != Domain::NearParticles {
+                let _span = traced.then(|| context.span(entry).entered());
+                task.run_on(context.isa, &at, &mut space);
+                laps.lap(What::Entry(entry));
+            }
+        }
+    }
+    scratch.columns = recycle(space.columns);
+    if widens {
+        // here the extent is in cache
+        block.leaving = block.count > 0
+            && extent::somebody_left(&block.extent, context.level, block.index, data.half_size);
+    }
+    laps.end(&mut scratch.tally);
+}
+
+/// Buffers for what the stage adds to nodes, with nothing in them yet; those that nobody needs any more are put back.
+fn ready_buffers(context: &Context<'_>, stage: &Stage, fields: usize, block: &mut ParticleBlock) {
+    let Context { node_layout: layout, buffers, shape, .. } = context;
+    if !stage.adds.is_empty() {
+        block.touched = extent::touched(&block.extent, context.level, block.index);
+    }
+    for (&label, partial) in layout.partial().iter().zip(&mut block.partials) {
+        let adds = stage.adds.contains(&label);
+        if adds && (block.near || !label.where_fields_meet()) {
+            let width = label.width();
+            if partial.is_empty() {
+                *partial = buffers.take(layout.buffer * width * fields);
+            }
+            let (nothing, touched) = (reduction::nothing(label.combine()), &block.touched);
+            context.isa.dispatch(Clear { buffers: partial, width, nothing, shape, touched });
+        } else if adds || stage.releases.contains(&label) {
+            buffers.put_back(std::mem::take(partial));
+        }
+    }
+}
+
+/// The values of the nodes around the block that the stage reads, of all fields of its material.
+fn load_regions(
+    context: &Context<'_>,
+    stage: &Stage,
+    nodes: &[NodePatch],
+    block: &ParticleBlock,
+    columns: &mut [&mut [Wide]],
+) {
+    let Some(material) = stage.material else { return };
+    for &label in &stage.reads {
+        let Some(place) = context.node_layout.stored_place(label) else { continue };
+        let length = context.node_layout.buffer * label.width();
+        let fields = context.fields.of(material).map(FieldId::new);
+        let regions = columns[label.index()].chunks_exact_mut(length);
+        for (field, region) in fields.zip(regions) {
+            let (width, shape, around) = (label.width(), &context.shape, &block.around);
+            let from = ValuesAround { place, field, width, shape, nodes, around, touched: &block.touched };
+            context.isa.dispatch(LoadRegion { from, region });
+        }
+    }
+}
+
+/// Runs a node stage on one block, unless no particle touches its nodes; returns whether it did.
+pub fn update_nodes<const METERED: bool>(
+    context: &Context<'_>,
+    stage: &Stage,
+    particles: &[Vec<ParticlePatch>],
+    scratch: &mut Scratch,
+    block: &mut NodeBlock,
+) -> bool {
+    let (shape, layout) = (&context.shape, context.node_layout);
+    let index = block.index;
+    let split = block.split();
+    let present = split.present;
+    let around = |slot: usize, place, width| {
+        let (material, field) = (context.fields.material(present[slot]), present[slot].index());
+        let field = field - context.fields.of(material).start;
+        Around { place, material, field, width, shape, particles, around: &split.around[slot] }
+    };
+    if !(0..present.len()).any(|slot| around(slot, 0, 0).is_something()) {
+        return false;
+    }
+    let (mut laps, part) =
+        (Laps::<METERED>::begin(&mut scratch.tally), |part| What::Part(stage.entries[0], part));
+    let (mut columns, shared, fields) = scratch.lend();
+    fields.clear();
+    let times = present.iter().zip(split.until);
+    fields.extend(times.map(|(&field, &until)| context.schedule.field(context.fields, field, until)));
+    for (label, column) in layout.stored().iter().zip(split.columns) {
+        columns[label.index()] = column;
+    }
+    for (place, &label) in layout.partial().iter().enumerate() {
+        let column = std::mem::take(&mut columns[label.index()]);
+        let length = layout.nodes * label.width();
+        let lines = if is_there(label, present.len()) { length * present.len() } else { 0 };
+        if stage.sums.contains(&label) {
+            for (slot, sums) in column[..lines].chunks_exact_mut(length).enumerate() {
+                let from = around(slot, place, label.width());
+                context.isa.dispatch(SumPartials { from, combine: label.combine(), sums });
+            }
+        }
+        // sums that live for a stage are not there without being added up
+        if stage.sums.contains(&label) || label.life() != Life::Stage {
+            columns[label.index()] = &mut column[..lines];
+        }
+    }
+    laps.lap(part(Part::SumPartials));
+    lend_shared(&mut columns, shared, None);
+    let mut space = Workspace { columns, chunk: 0..0, ahead: 0, widths: &[] };
+    let mut at = context.at(index);
+    at.fields = fields;
+    let traced = tracing::enabled!(tracing::Level::TRACE);
+    laps.lap(part(Part::Setup));
+    for &entry in &stage.entries {
+        let _span = traced.then(|| context.span(entry).entered());
+        context.task(entry).run_on(context.isa, &at, &mut space);
+        laps.lap(What::Entry(entry));
+    }
+    scratch.columns = recycle(space.columns);
+    laps.end(&mut scratch.tally);
+    true
+}
+
+/// Runs a stage that has no place.
+pub fn once<const METERED: bool>(
+    context: &Context<'_>,
+    stage: &Stage,
+    shared: &mut Shared,
+    scratch: &mut Scratch,
+) {
+    let mut laps = Laps::<METERED>::begin(&mut scratch.tally);
+    let mut columns = no_columns(std::mem::take(&mut scratch.columns), context.recipe.schema.len());
+    shared.columns_mut().for_each(|(label, column)| columns[label.index()] = column);
+    let mut space = Workspace { columns, chunk: 0..0, ahead: 0, widths: &[] };
+    let at = context.at([0; 3]);
+    for &entry in &stage.entries {
+        let _span = context.span(entry).entered();
+        context.task(entry).run_on(context.isa, &at, &mut space);
+        laps.lap(What::Entry(entry));
+    }
+    scratch.columns = recycle(space.columns);
+    laps.end(&mut scratch.tally);
+}
+
+/// Puts shared labels into their columns: one material's tile, or all tiles.
+fn lend_shared<'a>(columns: &mut [&'a mut [Wide]], shared: &'a mut Shared, material: Option<usize>) {
+    for (label, column) in shared.columns_mut() {
+        columns[label.index()] = match (label.home(), material) {
+            (Home::Material, Some(m)) => &mut column[m * label.width()..(m + 1) * label.width()],
+            _ => column,
+        };
+    }
+}

@@ -1,0 +1,362 @@
+//! Runs graphs: the segments of a tick, one after the other.
+use super::Executor;
+use super::buffers::Buffers;
+use super::exchange::Exchanges;
+use super::lending::{begin, collect, lend};
+use super::meter::{Laps, Tally, What};
+use super::order::{self, Cursor, Op, Part, Segment, Wave};
+use super::ranks::halos::Halos;
+use super::ranks::migrate;
+use super::ranks::occupied::{self, Beside};
+use super::ranks::reduction::{self, Counters};
+use super::ranks::{Network, NetworkError};
+use super::relocate::{Leaving, Relocation, Way};
+use super::scratch::Scratch;
+use super::stage::{self, Context};
+use super::trace::{Event, Recorder};
+use super::wave;
+use super::work::{Blocks, Memory, Watch, Which, Work, lock};
+use crate::data::schedule::Schedule;
+use crate::data::shared::Shared;
+use crate::data::warehouse::Warehouse;
+use crate::graph::build::TaskGraph;
+use crate::graph::phase::Stage;
+use crate::schema::{Combine, LabelId};
+use grid::Partition;
+use simd::Isa;
+use std::ops::Range;
+use std::sync::Mutex;
+
+/// Runs graphs with an executor. Keeps what workers need between steps.
+pub struct Engine<E> {
+    executor: E,
+    isa: Isa,
+    scratch: Vec<Mutex<Scratch>>,
+    schedule: Schedule,
+    memory: Memory,
+    buffers: Buffers,
+    /// Layers of blocks that a wave takes at once.
+    slabs: Vec<Range<i32>>,
+    /// The wave that runs.
+    wave: Wave,
+    /// Ranks in sight.
+    beside: Vec<Beside>,
+    /// What passes between them and this one.
+    halos: Halos,
+    /// Messages that a wave waits for.
+    outstanding: Vec<(usize, usize)>,
+    metered: bool,
+    /// Whether blocks remember what work on them takes.
+    weighing: bool,
+    /// What is done when.
+    trace: Recorder,
+}
+
+impl<E: Executor> Engine<E> {
+    /// An engine for runs on `warehouse`.
+    pub fn new(executor: E, isa: Isa, warehouse: &Warehouse) -> Self {
+        let scratch = (0..executor.workers()).map(|_| Mutex::new(Scratch::new(warehouse))).collect();
+        Self {
+            executor,
+            isa,
+            scratch,
+            schedule: Schedule::everyone(warehouse.materials.len()),
+            memory: Memory::default(),
+            buffers: Buffers::default(),
+            slabs: Vec::new(),
+            wave: Wave::default(),
+            beside: occupied::beside(&warehouse.decomposition, &warehouse.partition),
+            halos: Halos::default(),
+            outstanding: Vec::new(),
+            metered: false,
+            weighing: false,
+            trace: Recorder::off(),
+        }
+    }
+
+    /// Instruction set that tasks run on.
+    pub fn isa(&self) -> Isa {
+        self.isa
+    }
+
+    /// Bytes of the buffers in which blocks add up what they give to nodes.
+    pub fn buffer_bytes(&self) -> usize {
+        self.buffers.bytes()
+    }
+
+    /// Number of workers.
+    pub fn workers(&self) -> usize {
+        self.executor.workers()
+    }
+
+    /// Meters what is run from now on, or stops that. See [`super::meter`].
+    pub fn set_meter(&mut self, on: bool) {
+        self.metered = on;
+        self.take_meter();
+        (0..self.workers()).for_each(|w| lock(&self.scratch[w]).tally.counting = self.isa == Isa::COUNTING);
+    }
+
+    /// What the work since the last [`Engine::set_meter`] took, summed over workers.
+    pub fn take_meter(&self) -> Tally {
+        let mut sum = Tally::default();
+        (0..self.workers()).for_each(|w| sum.merge(&lock(&self.scratch[w]).tally.take()));
+        sum
+    }
+
+    /// Lets blocks remember what work on them takes from now on, or stops that.
+    pub fn set_weighing(&mut self, on: bool) {
+        self.weighing = on;
+    }
+
+    /// Records from now on what is done when, at most `bound` events a worker; 0: no more.
+    pub fn set_trace(&mut self, bound: usize) {
+        self.trace = if bound == 0 { Recorder::off() } else { Recorder::new(self.workers(), bound) };
+    }
+
+    /// What is done when.
+    pub fn trace(&self) -> &Recorder {
+        &self.trace
+    }
+
+    /// Does work of its own, and meters it as `what`.
+    pub fn metered<T>(&self, what: What, work: impl FnOnce() -> T) -> T {
+        if !self.metered {
+            return work();
+        }
+        let tally = &mut lock(&self.scratch[0]).tally;
+        let mut laps = Laps::<true>::begin(tally);
+        let result = work();
+        laps.lap(what);
+        laps.end(tally);
+        result
+    }
+
+    /// Runs `graph` once: a tick. A task that computes the steps of the materials decides which of them act in the rest of it;
+    /// without one, all do. Reductions that only the end completes are left to [`Engine::relocate`] or [`Engine::reduce`].
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn run(
+        &mut self,
+        graph: &TaskGraph,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+    ) -> Result<(), NetworkError> {
+        if warehouse.stale {
+            self.activate(warehouse, network)?;
+        }
+        if self.slabs.is_empty() {
+            self.slabs = wave::slabs(warehouse, self.workers());
+        }
+        self.schedule.reset();
+        for segment in order::segments(graph) {
+            let phases = match segment {
+                Segment::One(Op::Reduce(phase)) => {
+                    let labels = &graph.phases[phase].reductions;
+                    self.reduce(Some(phase), labels, &mut warehouse.shared, network)?;
+                    continue;
+                }
+                Segment::One(Op::Once(phase)) => {
+                    self.once(graph, phase, warehouse, network.rank());
+                    phase..phase + 1
+                }
+                Segment::One(_) => continue,
+                Segment::Wave(phases) => {
+                    self.wave(graph, phases.clone(), warehouse, network)?;
+                    phases
+                }
+            };
+            if let Some(rates) = warehouse.schema.roles.rates
+                && graph.phases[phases].iter().any(|phase| phase.decides)
+            {
+                self.schedule.read(rates, &warehouse.shared);
+            }
+        }
+        Ok(())
+    }
+
+    /// Which blocks are active, here and in sight.
+    fn activate(&mut self, warehouse: &mut Warehouse, network: &mut dyn Network) -> Result<(), NetworkError> {
+        if network.size() > 1 {
+            occupied::tell(network, warehouse, &self.beside)?;
+        }
+        self.metered(What::Activation, || warehouse.activate());
+        if network.size() > 1 {
+            self.halos = Halos::new(warehouse, &self.beside);
+        }
+        self.slabs.clear();
+        Ok(())
+    }
+
+    /// Gives patches to the ranks that `partition` wants.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn migrate(
+        &mut self,
+        partition: Partition,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+    ) -> Result<(), NetworkError> {
+        migrate::migrate(network, warehouse, partition)?;
+        self.beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
+        Ok(())
+    }
+
+    /// Brings the parts of all ranks of some labels together, before a phase or at the end.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn reduce(
+        &self,
+        before: Option<usize>,
+        labels: &[LabelId],
+        shared: &mut Shared,
+        network: &mut dyn Network,
+    ) -> Result<(), NetworkError> {
+        if labels.is_empty() || network.size() == 1 {
+            return Ok(());
+        }
+        let began = self.trace.now();
+        reduction::reduce(network, labels, |m| self.schedule.ends(m), shared, &mut Counters::default())?;
+        self.trace.record(0, began, Event::reduction(before));
+        Ok(())
+    }
+
+    /// Finds the particles that have to move after a tick of `graph`, and completes its reductions. `leaving` says what
+    /// becomes of particles outside of the level.
+    ///
+    /// # Errors
+    /// If a rank or a particle is gone.
+    pub fn relocate(
+        &self,
+        graph: &TaskGraph,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+        leaving: &mut Leaving<'_>,
+    ) -> Result<Relocation, NetworkError> {
+        let moved = |material: usize| self.schedule.ends(material);
+        let (labels, trace) = (&graph.at_end[..], &self.trace);
+        let mut way = Way { network, beside: &self.beside, labels, leaving, trace };
+        let prepare = || Relocation::prepare(warehouse, &mut way, moved);
+        self.metered(What::Relocation, prepare)
+    }
+
+    /// Runs a phase that has no place. All ranks do, with the same result; what it adds to sums counts on the first alone.
+    fn once(&mut self, graph: &TaskGraph, phase: usize, warehouse: &mut Warehouse, rank: usize) {
+        let (isa, metered) = (self.isa, self.metered);
+        let Self { scratch, schedule, buffers, .. } = self;
+        let phase = &graph.phases[phase];
+        let (context, shared, _) = context(graph, warehouse, (isa, schedule, buffers));
+        begin(phase, schedule, shared);
+        let Some(stage) = phase.stages.first() else { return };
+        let scratch = &mut lock(&scratch[0]);
+        match metered {
+            true => once_for_all::<true>(&context, stage, shared, scratch, rank),
+            false => once_for_all::<false>(&context, stage, shared, scratch, rank),
+        }
+    }
+
+    /// Runs phases that may follow one another layer by layer.
+    fn wave(
+        &mut self,
+        graph: &TaskGraph,
+        numbers: Range<usize>,
+        warehouse: &mut Warehouse,
+        network: &mut dyn Network,
+    ) -> Result<(), NetworkError> {
+        let (isa, metered, weighing) = (self.isa, self.metered, self.weighing);
+        let Self {
+            executor, scratch, schedule, memory, buffers, slabs, wave, halos, outstanding, trace, ..
+        } = self;
+        let phases = &graph.phases[numbers.clone()];
+        let span = tracing::debug_span!("wave", tasks = tracing::field::Empty);
+        if !span.is_disabled() {
+            let names = phases.iter().flat_map(|p| &p.stages).flat_map(|s| &s.nodes);
+            let names: Vec<&str> = names.map(|&n| graph.graph[n].name.as_str()).collect();
+            span.record("tasks", names.join(" "));
+        }
+        let _entered = span.entered();
+        let blocks = warehouse.level.blocks();
+        let whole = blocks.lower[0]..blocks.upper[0];
+        let busy = wave::busy(schedule, &warehouse.particles);
+        let slabs = if busy { &slabs[..] } else { std::slice::from_ref(&whole) };
+        let (context, shared, mut data) = context(graph, warehouse, (isa, schedule, buffers));
+        phases.iter().for_each(|phase| begin(phase, schedule, shared));
+        lend(phases, scratch, shared);
+        let watch = Watch { weighing, trace };
+        let mut work = Work { executor: &*executor, context, scratch, memory, metered, watch };
+        let alone = network.size() == 1;
+        wave.fill(graph, numbers, slabs.len(), alone);
+        let which = |part| match part {
+            Part::Slab(slab) => Which::All(&slabs[slab]),
+            Part::Interior(slab) => Which::Interior(&slabs[slab]),
+            Part::Rim => Which::Rim(&whole),
+        };
+        if alone {
+            executor.enter(|| {
+                for op in wave.ops() {
+                    let Op::Work(phase, part) = op else { continue };
+                    work.over(&graph.phases[phase], which(part), &mut data);
+                }
+            });
+        } else {
+            let mut exchanges = Exchanges::new(network, halos, &graph.exchanges, outstanding);
+            let mut cursor = Cursor::default();
+            while let Some(op) =
+                cursor.next(wave, |exchange| exchanges.take(exchange, &mut work, &mut data, false))?
+            {
+                match op {
+                    Op::Work(phase, part) => work.over(&graph.phases[phase], which(part), &mut data),
+                    Op::Send(exchange) => exchanges.send(exchange, &work, &data),
+                    Op::Expect(exchange) => exchanges.expect(exchange, &work),
+                    Op::Unpack(exchange) => {
+                        exchanges.take(exchange, &mut work, &mut data, true)?;
+                    }
+                    _ => {}
+                }
+            }
+        }
+        collect(phases, scratch, shared);
+        Ok(())
+    }
+}
+
+/// What stages see of a warehouse, its shared labels, and its blocks.
+pub fn context<'a>(
+    graph: &'a TaskGraph,
+    warehouse: &'a mut Warehouse,
+    (isa, schedule, buffers): (Isa, &'a Schedule, &'a Buffers),
+) -> (Context<'a>, &'a mut Shared, Blocks<'a>) {
+    let Warehouse {
+        level,
+        decomposition,
+        partition,
+        materials,
+        fields,
+        node_layout,
+        particles,
+        nodes,
+        shared,
+        ..
+    } = warehouse;
+    let (recipe, shape, first_layer) = (&graph.recipe, level.shape(), level.blocks().lower[0]);
+    let context = Context { isa, recipe, level, shape, materials, fields, node_layout, schedule, buffers };
+    (context, shared, Blocks { decomposition, first_layer, partition, particles, nodes })
+}
+
+fn once_for_all<const METERED: bool>(
+    context: &Context<'_>,
+    stage: &Stage,
+    shared: &mut Shared,
+    scratch: &mut Scratch,
+    rank: usize,
+) {
+    let sums = stage.touched.iter().filter(|a| a.mode.writes() && a.label.combine() != Combine::None);
+    let before: Vec<_> = match rank {
+        0 => Vec::new(),
+        _ => sums.map(|a| (a.label, shared.column(a.label).to_vec())).collect(),
+    };
+    stage::once::<METERED>(context, stage, shared, scratch);
+    before.iter().for_each(|(label, lines)| shared.column_mut(*label).copy_from_slice(lines));
+}

@@ -1,0 +1,297 @@
+//! What a run does and when, event by event: for the run's `trace.json` (see `output::trace`).
+//!
+//! Each worker has a list of its own, so that recording waits for nobody. The lists are as long as they will ever be from
+//! the beginning; what comes after they are full is counted and left out. A recorder that is off reads no clock.
+use crate::graph::phase::Stage;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// What a worker was busy with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// The tasks of a stage, on some blocks.
+    Task,
+    /// Packing, sending and waiting for node data of other ranks.
+    HaloWait,
+    /// Bringing together the parts of a reduction.
+    ReduceWait,
+    /// Moving particles to other blocks and ranks.
+    Relocate,
+    /// Writing results.
+    Output,
+    /// Nothing, while other workers of the rank were at work.
+    Idle,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Kind; 6] =
+        [Kind::Task, Kind::HaloWait, Kind::ReduceWait, Kind::Relocate, Kind::Output, Kind::Idle];
+
+    /// Its name in traces.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Task => "task",
+            Kind::HaloWait => "halo wait",
+            Kind::ReduceWait => "reduce wait",
+            Kind::Relocate => "relocate",
+            Kind::Output => "output",
+            Kind::Idle => "idle",
+        }
+    }
+}
+
+/// Stands for all, for none, or for the end of a tick.
+pub const NONE: u32 = u32::MAX;
+
+/// A piece of a worker's time. Events of one worker do not overlap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// What it was busy with.
+    pub kind: Kind,
+    /// Tasks and idleness: the first line of the stage in the recipe, or [`NONE`]. Waits: the phase that needs it, [`NONE`] at the end of a tick.
+    pub place: u32,
+    /// Index of the material, or [`NONE`].
+    pub material: u32,
+    /// The patch, or [`NONE`].
+    pub patch: u32,
+    /// The first layer of blocks of the slab, or [`NONE`].
+    pub slab: u32,
+    /// Messages sent.
+    pub messages: u32,
+    /// Bytes sent.
+    pub bytes: u64,
+    /// Number of the step.
+    pub step: u64,
+    /// When it began, since the recorder did [ns].
+    pub start: u64,
+    /// How long it took [ns].
+    pub duration: u64,
+}
+
+impl Event {
+    fn new(kind: Kind, place: u32) -> Self {
+        let (material, patch, slab) = (NONE, NONE, NONE);
+        let (messages, bytes, step, start, duration) = (0, 0, 0, 0, 0);
+        Self { kind, place, material, patch, slab, messages, bytes, step, start, duration }
+    }
+
+    /// The tasks of a stage.
+    pub fn stage(stage: &Stage) -> Self {
+        let first = stage.entries.first().map_or(NONE, |&entry| entry as u32);
+        Self { material: stage.material.map_or(NONE, |m| m as u32), ..Self::new(Kind::Task, first) }
+    }
+
+    /// The halos before a phase.
+    pub fn halo(phase: usize) -> Self {
+        Self::new(Kind::HaloWait, phase as u32)
+    }
+
+    /// The reductions before a phase, or at the end of a tick.
+    pub fn reduction(phase: Option<usize>) -> Self {
+        Self::new(Kind::ReduceWait, phase.map_or(NONE, |phase| phase as u32))
+    }
+
+    /// Waiting until the other workers of the rank have done a stage.
+    pub fn idle(stage: &Stage) -> Self {
+        Self { kind: Kind::Idle, ..Self::stage(stage) }
+    }
+
+    /// Relocation, output, or idleness of no stage in particular.
+    pub fn other(kind: Kind) -> Self {
+        Self::new(kind, NONE)
+    }
+
+    /// The same, on one patch.
+    pub fn on_patch(self, patch: usize) -> Self {
+        Self { patch: patch as u32, ..self }
+    }
+
+    /// The same, on the slab that begins with some layer of blocks, counted from the level's first.
+    pub fn on_slab(self, layer: usize) -> Self {
+        Self { slab: layer as u32, ..self }
+    }
+
+    /// The same, with what was sent.
+    pub fn sent(self, messages: usize, bytes: usize) -> Self {
+        Self { messages: messages as u32, bytes: bytes as u64, ..self }
+    }
+
+    /// Whether `next` is more of the same, begun as soon as this ended.
+    fn goes_on_with(&self, next: &Event, start: u64) -> bool {
+        let what = |e: &Event| (e.kind, e.place, e.material, e.patch, e.slab);
+        what(self) == what(next) && start.saturating_sub(self.start + self.duration) < JOINED
+    }
+
+    /// As numbers, to be sent to another rank.
+    pub fn to_words(self) -> [u64; Event::WORDS] {
+        let two = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
+        [
+            two(self.kind as u32, self.place),
+            two(self.material, self.patch),
+            two(self.slab, self.messages),
+            self.bytes,
+            self.step,
+            self.start,
+            self.duration,
+        ]
+    }
+
+    /// From numbers of [`Event::to_words`]; `None` for others.
+    pub fn from_words(words: &[u64]) -> Option<Self> {
+        let &[a, b, c, bytes, step, start, duration] = words else { return None };
+        let two = |word: u64| ((word >> 32) as u32, word as u32);
+        let ((kind, place), (material, patch), (slab, messages)) = (two(a), two(b), two(c));
+        let kind = *Kind::ALL.get(kind as usize)?;
+        Some(Self { kind, place, material, patch, slab, messages, bytes, step, start, duration })
+    }
+
+    /// Numbers of an event.
+    pub const WORDS: usize = 7;
+}
+
+/// The events of one worker.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Track {
+    /// In the order in which they ended.
+    pub events: Vec<Event>,
+    /// How many more did not fit.
+    pub lost: u64,
+}
+
+/// Gaps that are not worth an event [ns].
+const JOINED: u64 = 2_000;
+
+/// Events that a worker may record, if nobody says otherwise: 72 bytes each.
+pub const BOUND: usize = 1 << 18;
+
+/// Records what the workers of a rank do.
+#[derive(Debug)]
+pub struct Recorder {
+    origin: Instant,
+    step: AtomicU64,
+    tracks: Vec<Mutex<Track>>,
+    bound: usize,
+}
+
+impl Recorder {
+    /// A recorder that records nothing.
+    pub fn off() -> Self {
+        Self::new(0, 0)
+    }
+
+    /// A recorder of at most `bound` events for each of `workers` workers. Time counts from now: ranks that begin after a
+    /// message to all have the same time to within the time of a message.
+    pub fn new(workers: usize, bound: usize) -> Self {
+        let track = || Mutex::new(Track { events: Vec::with_capacity(bound), lost: 0 });
+        let tracks = (0..workers).map(|_| track()).collect();
+        Self { origin: Instant::now(), step: AtomicU64::new(0), tracks, bound }
+    }
+
+    /// Whether it records.
+    pub fn is_on(&self) -> bool {
+        !self.tracks.is_empty()
+    }
+
+    /// The step that events belong to from now on.
+    pub fn set_step(&self, step: u64) {
+        self.step.store(step, Ordering::Relaxed);
+    }
+
+    /// The time now [ns]; 0 if nothing is recorded.
+    #[inline]
+    pub fn now(&self) -> u64 {
+        if self.is_on() { self.origin.elapsed().as_nanos() as u64 } else { 0 }
+    }
+
+    /// A worker has been busy with `event` since `start` (see [`Recorder::now`]).
+    #[inline]
+    pub fn record(&self, worker: usize, start: u64, event: Event) {
+        if let Some(track) = self.tracks.get(worker) {
+            let duration = self.now().saturating_sub(start);
+            let step = self.step.load(Ordering::Relaxed);
+            self.push(&mut lock(track), Event { step, start, duration, ..event });
+        }
+    }
+
+    /// As [`Recorder::record`]; goes on with the worker's last event if that was the same and has just ended.
+    #[inline]
+    pub fn record_on(&self, worker: usize, start: u64, event: Event) {
+        let Some(track) = self.tracks.get(worker) else { return };
+        let mut track = lock(track);
+        match track.events.last_mut() {
+            Some(last) if last.goes_on_with(&event, start) => last.duration = self.now() - last.start,
+            _ => {
+                let (duration, step) = (self.now().saturating_sub(start), self.step.load(Ordering::Relaxed));
+                self.push(&mut track, Event { step, start, duration, ..event });
+            }
+        }
+    }
+
+    /// All workers have waited since their last event, or since `start`, for one that was at work longer.
+    pub fn record_idle(&self, start: u64, event: Event) {
+        for (worker, track) in self.tracks.iter().enumerate() {
+            let last = lock(track).events.last().map_or(0, |last| last.start + last.duration);
+            if self.now() > last.max(start) + JOINED {
+                self.record(worker, last.max(start), event);
+            }
+        }
+    }
+
+    fn push(&self, track: &mut Track, event: Event) {
+        if track.events.len() < self.bound {
+            track.events.push(event);
+        } else {
+            track.lost += 1;
+        }
+    }
+
+    /// What the workers have recorded; they go on with empty lists.
+    pub fn take(&self) -> Vec<Track> {
+        let fresh = || Track { events: Vec::with_capacity(self.bound), lost: 0 };
+        self.tracks.iter().map(|track| std::mem::replace(&mut *lock(track), fresh())).collect()
+    }
+}
+
+/// A worker's track: nobody else takes it while the worker works.
+fn lock(track: &Mutex<Track>) -> MutexGuard<'_, Track> {
+    track.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_survive_the_way_to_another_rank() {
+        let event = Event::halo(3).on_patch(7).on_slab(2).sent(5, 1 << 40);
+        let event = Event { step: 9, start: 1 << 50, duration: 17, ..event };
+        assert_eq!(Event::from_words(&event.to_words()), Some(event));
+        let kinds = Kind::ALL.map(Event::other);
+        assert!(kinds.iter().all(|event| Event::from_words(&event.to_words()) == Some(*event)));
+        assert_eq!(Event::from_words(&[9 << 32, 0, 0, 0, 0, 0, 0]), None, "there is no such kind");
+        assert_eq!(Event::from_words(&[0; 3]), None);
+    }
+
+    #[test]
+    fn a_full_list_counts_what_it_loses_and_allocates_nothing() {
+        let recorder = Recorder::new(2, 3);
+        let began = recorder.now();
+        let info = allocation_counter::measure(|| {
+            (0..5).for_each(|_| recorder.record(1, began, Event::other(Kind::Output)));
+        });
+        assert_eq!(info.count_total, 0);
+        let tracks = recorder.take();
+        assert_eq!(tracks.iter().map(|t| (t.events.len(), t.lost)).collect::<Vec<_>>(), [(0, 0), (3, 2)]);
+        assert_eq!(recorder.take()[1].lost, 0);
+        recorder.record(7, began, Event::other(Kind::Output)); // no such worker
+    }
+
+    #[test]
+    fn off_it_records_nothing() {
+        let recorder = Recorder::off();
+        recorder.record(0, recorder.now(), Event::other(Kind::Idle));
+        assert!(!recorder.is_on() && recorder.now() == 0 && recorder.take().is_empty());
+    }
+}

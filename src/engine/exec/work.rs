@@ -1,0 +1,188 @@
+//! Phases over blocks: lists of blocks, spread over workers.
+use super::Executor;
+use super::scratch::Scratch;
+use super::stage::{self, Context};
+use super::trace::{Event, Kind, Recorder};
+use crate::data::nodes::NodeBlock;
+use crate::data::particles::ParticleBlock;
+use crate::data::schedule::Schedule;
+use crate::data::warehouse::{NodePatch, ParticlePatch};
+use crate::data::workspace::recycle;
+use crate::graph::phase::{Phase, Stage, When};
+use grid::{Decomposition, Partition, Patch};
+use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// What a wave works with.
+pub struct Work<'a, E> {
+    /// Spreads blocks over workers.
+    pub executor: &'a E,
+    /// What is the same for all blocks.
+    pub context: Context<'a>,
+    /// One a worker.
+    pub scratch: &'a [Mutex<Scratch>],
+    /// Of lists of blocks.
+    pub memory: &'a mut Memory,
+    /// Whether work is metered.
+    pub metered: bool,
+    /// What looks at the work.
+    pub watch: Watch<'a>,
+}
+
+/// Looks at work on blocks: for traces, and for the balance of ranks.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    /// Whether blocks remember what work on them takes.
+    pub weighing: bool,
+    /// What is done when.
+    pub trace: &'a Recorder,
+}
+
+impl Watch<'_> {
+    /// A worker begins with a block. Reads no clock that nobody asked for.
+    fn begin(&self) -> (u64, Option<Instant>) {
+        (self.trace.now(), self.weighing.then(Instant::now))
+    }
+
+    /// It has done so; what it took, if that is weighed [ns].
+    fn end(&self, (traced, began): (u64, Option<Instant>), worker: usize, stage: &Stage, slab: usize) -> u64 {
+        let took = began.map_or(0, |began| began.elapsed().as_nanos() as u64);
+        if self.trace.is_on() {
+            self.trace.record_on(worker, traced, Event::stage(stage).on_slab(slab));
+        }
+        took
+    }
+}
+
+/// Which blocks of a phase.
+#[derive(Clone, Copy, Debug)]
+pub enum Which<'a> {
+    /// All in some layers along x.
+    All(&'a Range<i32>),
+    /// Those in some layers along x that need nothing of other ranks.
+    Interior(&'a Range<i32>),
+    /// The others, in some layers along x.
+    Rim(&'a Range<i32>),
+}
+
+impl Which<'_> {
+    fn layers(&self) -> Range<i32> {
+        let (Which::All(layers) | Which::Interior(layers) | Which::Rim(layers)) = self;
+        (*layers).clone()
+    }
+
+    /// Whether the part has a block of which `rim` says whether it is one of the rim.
+    fn has(&self, rim: impl FnOnce() -> bool) -> bool {
+        match self {
+            Which::All(_) => true,
+            Which::Interior(_) => !rim(),
+            Which::Rim(_) => rim(),
+        }
+    }
+}
+
+impl<E: Executor> Work<'_, E> {
+    /// Runs a phase over blocks on some of them.
+    pub fn over(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
+        match phase.is_over_nodes() {
+            true => self.over_nodes(phase, which, data),
+            false => self.over_particles(phase, which, data),
+        }
+    }
+
+    fn over_nodes(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
+        let Self { executor, context, scratch, memory, metered, watch } = self;
+        let Some(stage) = phase.stages.first() else { return };
+        let (schedule, fields) = (context.schedule, context.fields);
+        let (all, next) = (schedule.all_end(), schedule.next());
+        let ends =
+            |block: &NodeBlock| all || block.present.iter().any(|&f| schedule.ends(fields.material(f)));
+        let mut items = recycle(std::mem::take(&mut memory.nodes));
+        let (layers, began) = (which.layers(), watch.trace.now());
+        let slab = (layers.start - data.first_layer) as usize;
+        for (nodes, patch) in mine(data.nodes, data.decomposition, data.partition) {
+            let blocks = nodes.slab_mut(patch.blocks.lower[0], &layers);
+            items.extend(blocks.iter_mut().filter(|block| ends(block) && which.has(|| block.rim)));
+        }
+        let update = if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
+        executor.each(&mut items, |worker, block| {
+            let moment = watch.begin();
+            let ran = update(context, stage, data.particles, &mut lock(&scratch[worker]), block);
+            block.cost += watch.end(moment, worker, stage, slab);
+            if ran && phase.settles {
+                block.until.fill(next);
+            }
+        });
+        watch.trace.record_idle(began, Event::idle(stage));
+        memory.nodes = recycle(items);
+    }
+
+    fn over_particles(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
+        let Self { executor, context, scratch, memory, metered, watch } = self;
+        let mut items = recycle(std::mem::take(&mut memory.particles));
+        let (layers, began) = (which.layers(), watch.trace.now());
+        let slab = (layers.start - data.first_layer) as usize;
+        for (homes, patch) in mine(data.particles, data.decomposition, data.partition) {
+            // stages of a phase come in the order of their materials
+            let mut homes = homes.iter_mut().enumerate();
+            for stage in phase.stages.iter().filter(|stage| acts(stage, context.schedule)) {
+                let mine = |(material, _): &(usize, _)| stage.material == Some(*material);
+                let Some((_, home)) = homes.find(mine) else { continue };
+                let blocks = home.slab_mut(patch.blocks.lower[0], &layers).iter_mut();
+                items.extend(blocks.filter(|block| which.has(|| block.rim)).map(|block| (stage, block)));
+            }
+        }
+        let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
+        executor.each(&mut items, |worker, (stage, block)| {
+            let moment = watch.begin();
+            sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
+            block.cost += watch.end(moment, worker, stage, slab);
+        });
+        watch.trace.record_idle(began, phase.stages.first().map_or(Event::other(Kind::Idle), Event::idle));
+        memory.particles = recycle(items);
+    }
+}
+
+/// What each patch of this rank has of something that all patches have.
+fn mine<'a, T>(
+    of_patches: &'a mut [T],
+    decomposition: &'a Decomposition,
+    partition: &'a Partition,
+) -> impl Iterator<Item = (&'a mut T, &'a Patch)> {
+    of_patches.iter_mut().zip(&decomposition.patches).filter(|(_, patch)| partition.is_mine(patch.id))
+}
+
+/// The blocks that a wave works on.
+pub struct Blocks<'a> {
+    /// The patches.
+    pub decomposition: &'a Decomposition,
+    /// The level's first layer of blocks along x.
+    pub first_layer: i32,
+    /// Their ranks.
+    pub partition: &'a Partition,
+    /// Particles: `[patch][material]`.
+    pub particles: &'a mut [Vec<ParticlePatch>],
+    /// Nodes: `[patch]`.
+    pub nodes: &'a mut [NodePatch],
+}
+
+/// Whether a stage over particles runs in this tick.
+fn acts(stage: &Stage, schedule: &Schedule) -> bool {
+    stage.material.is_some_and(|material| match stage.when {
+        When::Begin => schedule.begins(material),
+        When::End => schedule.ends(material),
+    })
+}
+
+/// A worker's scratch. Nobody else takes it while the worker works.
+pub fn lock(scratch: &Mutex<Scratch>) -> MutexGuard<'_, Scratch> {
+    scratch.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Memory of the lists of blocks of a phase, which are empty between phases.
+#[derive(Default)]
+pub struct Memory {
+    particles: Vec<(&'static Stage, &'static mut ParticleBlock)>,
+    nodes: Vec<&'static mut NodeBlock>,
+}

@@ -1,0 +1,85 @@
+//! What a graph refuses, by task, label and patch.
+use crate::schema::LabelId;
+
+/// A fault of a recipe: found when the graph is built, before anything runs.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GraphError {
+    /// Nobody ever computes what a task requires.
+    #[error("{task} requires {} on {patches}, which no task computes: add a producer before it, or drop the requirement", label.name())]
+    NoProducer {
+        /// The task that requires it.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// Where.
+        patches: String,
+    },
+    /// The producer comes later in the recipe.
+    #[error("{task} requires {} on {patches}, but {producer} computes it only later: list {producer} before {task}", label.name())]
+    RequiresBeforeComputes {
+        /// The task that requires it.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// The later producer.
+        producer: String,
+        /// Where.
+        patches: String,
+    },
+    /// A task asks for the last step's value after it was overwritten.
+    #[error("{task} requires the old {} on {patches}, but {writer} has overwritten it: list {task} before {writer}, or require the new value", label.name())]
+    OldAfterWrite {
+        /// The task that requires it.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// Who overwrote it.
+        writer: String,
+        /// Where.
+        patches: String,
+    },
+    /// Two tasks compute the same label and nobody reads the first.
+    #[error("{task} computes {} on {patches}, but nothing has read what {producer} computed: one of them is idle", label.name())]
+    TwoProducers {
+        /// The second producer.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// The first producer.
+        producer: String,
+        /// Where.
+        patches: String,
+    },
+    /// A chunk label is required outside the fused stage that computes it.
+    #[error("{task} requires {} on {patches}, which lives only in the chunk of {producer}: list {producer} again before {task}", label.name())]
+    ChunkLabelEscapes {
+        /// The task that requires it.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// Its producer.
+        producer: String,
+        /// Where.
+        patches: String,
+    },
+    /// A loop waits for a label that is not the same everywhere.
+    #[error("a loop waits for {}, which is no label of the run: let a task that runs once compute one", label.name())]
+    UntilWhat {
+        /// The label.
+        label: LabelId,
+    },
+    /// A declaration asks for more ghost layers than are stored.
+    #[error("{task} declares {} with {asked} ghost layers, but patch {patch} stores {stored}", label.name())]
+    GhostTooWide {
+        /// The task.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// Layers declared.
+        asked: u8,
+        /// Layers stored.
+        stored: u8,
+        /// The first patch where it fails.
+        patch: usize,
+    },
+}

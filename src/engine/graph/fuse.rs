@@ -1,0 +1,135 @@
+//! Joins neighbors of the recipe into stages, and independent stages into phases.
+//!
+//! A stage's tasks run together, chunk by chunk of particles or block by block of nodes, so that what passes
+//! between them stays in cache. A node label that particles fill needs all blocks first: it ends a stage.
+use super::error::GraphError;
+use super::phase::{Phase, Stage, When};
+use super::recipe::{Graph, Recipe, Why, everywhere, over_particles};
+use super::task::{Access, Domain, Mode};
+use crate::schema::Home;
+use petgraph::Direction;
+use petgraph::stable_graph::NodeIndex;
+use petgraph::visit::EdgeRef;
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+/// Stages and phases of a pruned graph, and what is to be refused: [`GraphError::ChunkLabelEscapes`].
+pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> (Vec<Phase>, Vec<GraphError>) {
+    let (mut stages, mut refusals): (Vec<Stage>, _) = (Vec::new(), Vec::new());
+    for node in graph.node_indices() {
+        let (entry, material) = (graph[node].entry, graph[node].material);
+        let declared = recipe.entries[entry].task.declaration().domain;
+        let domain = if over_particles(declared) { Domain::Particles } else { declared };
+        let joins = stages.last().is_some_and(|s| {
+            domain != Domain::Once
+                && (s.domain, s.material) == (domain, material)
+                && !needs_all_blocks(graph, node, s)
+        });
+        if !joins {
+            stages.push(Stage::new(domain, material));
+        }
+        let Some(stage) = stages.last_mut() else { continue };
+        stage.entries.push(entry);
+        stage.nodes.push(node);
+        graph[node].declaration.access.iter().for_each(|&access| merge(&mut stage.touched, access));
+        if domain == Domain::Particles && adds(graph[node].declaration.access) {
+            stage.when = When::Begin;
+        }
+        refusals.extend(check_chunk_labels(graph, node, stage, patches).err());
+    }
+    (group(graph, recipe, stages), refusals)
+}
+
+/// Whether a task over particles adds to nodes.
+fn adds(access: &[Access]) -> bool {
+    access.iter().any(|a| a.label.home() == Home::Node && a.mode.writes())
+}
+
+/// Whether `node` depends on something that is complete only when `stage` has run on all blocks.
+fn needs_all_blocks(graph: &Graph, node: NodeIndex, stage: &Stage) -> bool {
+    let complete_later = |home| match home {
+        Home::Node => stage.domain == Domain::Particles,
+        Home::Material | Home::Run => true,
+        _ => false,
+    };
+    graph.edges_directed(node, Direction::Incoming).any(|e| {
+        stage.nodes.contains(&e.source())
+            && e.weight().why == Why::Flow
+            && complete_later(e.weight().label.home())
+    })
+}
+
+fn check_chunk_labels(
+    graph: &Graph,
+    node: NodeIndex,
+    stage: &Stage,
+    patches: usize,
+) -> Result<(), GraphError> {
+    let escaped = graph.edges_directed(node, Direction::Incoming).find(|e| {
+        e.weight().why == Why::Flow
+            && e.weight().label.home() == Home::Chunk
+            && !stage.nodes.contains(&e.source())
+    });
+    escaped.map_or(Ok(()), |e| {
+        let (task, producer) = (graph[node].name.clone(), graph[e.source()].name.clone());
+        let (label, patches) = (e.weight().label, everywhere(patches));
+        Err(GraphError::ChunkLabelEscapes { task, label, producer, patches })
+    })
+}
+
+fn group(graph: &Graph, recipe: &Recipe, stages: Vec<Stage>) -> Vec<Phase> {
+    let mut phases: Vec<Phase> = Vec::new();
+    for stage in stages {
+        let independent = |other: &Stage| {
+            other.domain == Domain::Particles
+                && other.material != stage.material
+                && !stage.nodes.iter().any(|&n| {
+                    graph.edges_directed(n, Direction::Incoming).any(|e| other.nodes.contains(&e.source()))
+                })
+        };
+        match phases.last_mut() {
+            Some(phase) if stage.domain == Domain::Particles && phase.stages.iter().all(independent) => {
+                phase.stages.push(stage);
+            }
+            _ => phases.push(Phase { stages: vec![stage], ..Phase::default() }),
+        }
+    }
+    let mut begun = BTreeSet::new();
+    phases.iter_mut().for_each(|phase| phase.complete(recipe.schema, &mut begun));
+    if let Some(last) = phases.iter().rposition(Phase::is_over_nodes) {
+        phases[last].settles = true;
+    }
+    phases
+}
+
+/// Groups phases over blocks that may follow one another as a wave: as soon as one has done a layer of blocks and those
+/// beside it, the next may do that layer. What is reduced over all blocks may not be read in the same wave. Nothing follows
+/// particles that read nodes of the same wave: those at the rim of a rank do so last.
+pub fn waves(phases: &[Phase]) -> Vec<Range<usize>> {
+    let over_blocks = |phase: &Phase| phase.stages.iter().all(|s| s.domain != Domain::Once);
+    let conflict = |a: &Phase, b: &Phase| {
+        a.shared.iter().any(|(label, reduces)| b.shared.iter().any(|(l, r)| l == label && r != reduces))
+    };
+    let mut waves: Vec<Range<usize>> = Vec::new();
+    for (number, phase) in phases.iter().enumerate() {
+        let joins = |wave: &Range<usize>| {
+            let nodes_then_particles = wave.len() > 1 && !phases[wave.end - 1].is_over_nodes();
+            over_blocks(phase)
+                && !nodes_then_particles
+                && phases[wave.clone()].iter().all(|p| over_blocks(p) && !conflict(p, phase))
+        };
+        match waves.last_mut() {
+            Some(wave) if joins(wave) => wave.end = number + 1,
+            _ => waves.push(number..number + 1),
+        }
+    }
+    waves
+}
+
+fn merge(touched: &mut Vec<Access>, access: Access) {
+    match touched.iter_mut().find(|a| a.label == access.label) {
+        Some(known) if !known.mode.writes() && access.mode.writes() => known.mode = Mode::Modifies,
+        Some(known) => known.ghost = known.ghost.max(access.ghost),
+        None => touched.push(access),
+    }
+}

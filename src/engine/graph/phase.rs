@@ -1,0 +1,108 @@
+//! What runs: stages of fused tasks, and phases of stages that may run at the same time.
+use super::task::{Access, Domain, Mode};
+use crate::schema::{Combine, Home, LabelId, Schema};
+use petgraph::stable_graph::NodeIndex;
+use std::collections::BTreeSet;
+
+/// Tasks that run together.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// What they run over (`Particles` also for tasks on near particles only).
+    pub domain: Domain,
+    /// The material of particle stages.
+    pub material: Option<usize>,
+    /// Their lines of the recipe, in order.
+    pub entries: Vec<usize>,
+    /// Their nodes in the graph, in the same order.
+    pub nodes: Vec<NodeIndex>,
+    /// Labels touched, each once, with the strongest access.
+    pub touched: Vec<Access>,
+    /// At which end of a material's own step they run (particle stages).
+    pub when: When,
+    /// Labels of nodes that particles add to.
+    pub adds: Vec<LabelId>,
+    /// Labels of nodes that particles read.
+    pub reads: Vec<LabelId>,
+    /// Labels of nodes whose partial sums a stage over nodes adds up.
+    pub sums: Vec<LabelId>,
+    /// Labels of nodes to which particles added before, and whose partial sums nobody needs any more.
+    pub releases: Vec<LabelId>,
+}
+
+/// When in the step of a material a stage runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// When it begins: particles add to nodes.
+    Begin,
+    /// When it ends: particles read nodes.
+    End,
+}
+
+impl Stage {
+    /// A stage without tasks.
+    pub(super) fn new(domain: Domain, material: Option<usize>) -> Self {
+        let (entries, nodes, touched, when) = (Vec::new(), Vec::new(), Vec::new(), When::End);
+        let [adds, reads, sums, releases] = [const { Vec::new() }; 4];
+        Self { domain, material, entries, nodes, touched, when, adds, reads, sums, releases }
+    }
+
+    /// Fills in what particles add to and read of nodes.
+    fn complete(&mut self) {
+        let of_nodes = |a: &&Access| a.label.home() == Home::Node && self.domain == Domain::Particles;
+        let labels = |wanted: fn(Mode) -> bool| {
+            let mine = self.touched.iter().filter(of_nodes).filter(move |a| wanted(a.mode));
+            mine.map(|a| a.label).collect()
+        };
+        (self.adds, self.reads) = (labels(Mode::writes), labels(Mode::reads));
+    }
+
+    /// Whether some task of the stage touches `label` in a way that `test` accepts.
+    pub fn touches(&self, label: LabelId, test: impl Fn(Mode) -> bool) -> bool {
+        self.touched.iter().any(|a| a.label == label && test(a.mode))
+    }
+}
+
+/// Stages without edges between them.
+#[derive(Clone, Debug, Default)]
+pub struct Phase {
+    /// The stages: several only if all run over particles, of different materials.
+    pub stages: Vec<Stage>,
+    /// Labels of home `Material` and `Run` that they touch, and whether they reduce them.
+    pub shared: Vec<(LabelId, bool)>,
+    /// Labels of those that no earlier phase reduces.
+    pub afresh: Vec<LabelId>,
+    /// Whether it decides which materials act in the phases that follow.
+    pub decides: bool,
+    /// Whether it is the last one over nodes: they have gone through the tick then.
+    pub settles: bool,
+    /// Labels of nodes that it reads beyond the faces of patches: other ranks must have sent theirs.
+    pub halos: Vec<LabelId>,
+    /// The exchanges that bring them (indices of the graph's).
+    pub receives: Vec<usize>,
+    /// The exchanges that send what it is the last to write.
+    pub sends: Vec<usize>,
+    /// Labels that earlier phases reduced and that it reads: the parts of all ranks must be together.
+    pub reductions: Vec<LabelId>,
+}
+
+impl Phase {
+    /// Whether it runs over nodes.
+    pub fn is_over_nodes(&self) -> bool {
+        self.stages.first().is_some_and(|stage| stage.domain == Domain::Nodes)
+    }
+
+    /// Fills in what follows from the stages; `begun` are the labels that earlier phases reduce.
+    pub(super) fn complete(&mut self, schema: &Schema, begun: &mut BTreeSet<LabelId>) {
+        self.stages.iter_mut().for_each(Stage::complete);
+        let touched = self.stages.iter().flat_map(|s| &s.touched);
+        let shared: BTreeSet<_> = touched
+            .filter(|a| a.label.is_shared())
+            .map(|a| (a.label, a.mode == Mode::Computes && a.label.combine() != Combine::None))
+            .collect();
+        self.shared = shared.into_iter().collect();
+        let reduced = self.shared.iter().filter(|(_, reduces)| *reduces).map(|&(label, _)| label);
+        self.afresh = reduced.filter(|&label| begun.insert(label)).collect();
+        let writes_steps = |steps| self.stages.iter().any(|s| s.touches(steps, Mode::writes));
+        self.decides = schema.steps().is_some_and(writes_steps);
+    }
+}

@@ -1,0 +1,336 @@
+//! What a task is: a declaration, an `Io` made from it, and a body that sees only the `Io`.
+use crate::data::schedule::FieldTime;
+use crate::data::workspace::Workspace;
+use crate::schema::{Home, LabelId};
+use grid::Origin;
+use simd::{Isa, Job, Simd};
+
+/// What a task runs over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Domain {
+    /// The particles of one material, chunk by chunk.
+    Particles,
+    /// As `Particles`, in blocks where a material with which theirs interacts may touch the same nodes.
+    NearParticles,
+    /// The nodes of a block, all fields that touch it together.
+    Nodes,
+    /// Once a step.
+    Once,
+}
+
+/// How a task uses a label.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Reads what the last step left (or, for shared labels, what the step began with).
+    RequiresOld,
+    /// Reads what an earlier task of this step computed or modified.
+    RequiresNew,
+    /// Reads the value as of this place in the recipe, whoever wrote it.
+    Requires,
+    /// Writes it, whatever was there.
+    Computes,
+    /// Reads and writes it.
+    Modifies,
+    /// Works in it: holds nothing before and after.
+    Scratch,
+}
+
+impl Mode {
+    /// Whether the task sees what was there before.
+    pub fn reads(self) -> bool {
+        !matches!(self, Mode::Computes | Mode::Scratch)
+    }
+    /// Whether the task changes it.
+    pub fn writes(self) -> bool {
+        matches!(self, Mode::Computes | Mode::Modifies)
+    }
+}
+
+/// A label that a task may work in: of home `Chunk`; another one does not compile.
+pub const fn scratch(label: LabelId) -> LabelId {
+    assert!(matches!(label.home(), Home::Chunk), "a task works in chunk labels");
+    label
+}
+
+/// One line of a declaration. `ghost`: layers of nodes around the block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Access {
+    /// The label.
+    pub label: LabelId,
+    /// How it is used.
+    pub mode: Mode,
+    /// Layers of nodes beyond the block's own.
+    pub ghost: u8,
+}
+
+/// Where a body runs.
+#[derive(Clone, Copy)]
+pub struct At<'a> {
+    /// The block's buffer, for stencils.
+    pub origin: Origin,
+    /// Particles in the chunk; lanes beyond them are inert.
+    pub count: usize,
+    /// The block's first node, in nodes of the level.
+    pub node: [i32; 3],
+    /// Nodes of the block: how many tiles of each field follow one another in a column of nodes.
+    pub nodes: usize,
+    /// For node tasks: the fields whose nodes follow one another in each column.
+    pub fields: &'a [FieldTime],
+}
+
+impl At<'_> {
+    /// The lanes of tile `tile` of the chunk that hold particles.
+    #[inline(always)]
+    pub fn lanes(&self, tile: usize) -> u8 {
+        let left = self.count.saturating_sub(8 * tile);
+        if left >= 8 { u8::MAX } else { (1 << left) - 1 }
+    }
+
+    /// The block's `n`-th node, in nodes of the level.
+    #[inline(always)]
+    pub fn node_of(&self, n: usize) -> [i32; 3] {
+        let place = self.origin.shape.place(n);
+        [0, 1, 2].map(|a| self.node[a] + place[a])
+    }
+}
+
+/// Written by [`task!`](crate::task!), never by hand.
+pub trait Task: Send + Sync + 'static {
+    /// Name in messages and dumps.
+    const NAME: &'static str;
+    /// What it runs over.
+    const DOMAIN: Domain;
+    /// All it reads and writes.
+    const ACCESS: &'static [Access];
+    /// The views that the declaration grants.
+    type Io<'a>;
+    /// Takes the views from a workspace.
+    fn bind<'a>(space: &'a mut Workspace<'_>) -> Self::Io<'a>;
+}
+
+/// Written by hand: the physics. Mark `run` `#[inline(always)]`, so that it is compiled for `S`.
+pub trait Body: Task {
+    /// Runs the task on one chunk of particles, the nodes of one block, or once.
+    fn run<S: Simd>(&self, at: &At<'_>, io: Self::Io<'_>);
+}
+
+/// What the graph knows of a task.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Declaration {
+    /// Its name.
+    pub name: &'static str,
+    /// What it runs over.
+    pub domain: Domain,
+    /// All it reads and writes.
+    pub access: &'static [Access],
+}
+
+/// A body behind a pointer: one virtual call a chunk.
+pub trait Runnable: Send + Sync {
+    /// Its declaration.
+    fn declaration(&self) -> Declaration;
+    /// Runs it on the workspace's current chunk.
+    fn run_on(&self, isa: Isa, at: &At<'_>, space: &mut Workspace<'_>);
+}
+
+impl<T: Body> Runnable for T {
+    fn declaration(&self) -> Declaration {
+        Declaration { name: T::NAME, domain: T::DOMAIN, access: T::ACCESS }
+    }
+    fn run_on(&self, isa: Isa, at: &At<'_>, space: &mut Workspace<'_>) {
+        isa.dispatch(RunChunk { task: self, at, space });
+    }
+}
+
+struct RunChunk<'a, 'w, T> {
+    task: &'a T,
+    at: &'a At<'a>,
+    space: &'a mut Workspace<'w>,
+}
+
+impl<T: Body> Job for RunChunk<'_, '_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        self.task.run::<S>(self.at, T::bind(self.space));
+    }
+}
+
+/// Declares a task's data: makes the access list *and* the only views its body receives. Labels under `scratch` are
+/// memory to work in: what is in them passes to nobody, and makes no edge.
+///
+/// What is not declared does not compile:
+/// ```compile_fail,E0609
+/// use engine::{graph::task::{At, Body}, schema::particle};
+/// use simd::{Simd, Wide};
+/// engine::labels! {
+///     Charge: Wide = particle("C", "q_p");
+///     Potential: Wide = particle("V", "phi_p");
+/// }
+/// struct Peek;
+/// engine::task! { Particles task Peek {
+///     requires old { charge: Charge }
+///     computes { potential: Potential }
+/// }}
+/// impl Body for Peek {
+///     fn run<S: Simd>(&self, _at: &At<'_>, io: Io<'_>) {
+///         let v = io.field; // error[E0609]: no field `field` on type `Io<'_>`
+///     }
+/// }
+/// ```
+/// and what is only required cannot be written:
+/// ```compile_fail,E0594
+/// use engine::{graph::task::{At, Body}, schema::particle};
+/// use simd::{Simd, Wide};
+/// engine::labels! {
+///     Charge: Wide = particle("C", "q_p");
+///     Potential: Wide = particle("V", "phi_p");
+/// }
+/// struct Peek;
+/// engine::task! { Particles task Peek {
+///     requires old { charge: Charge }
+///     computes { potential: Potential }
+/// }}
+/// impl Body for Peek {
+///     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
+///         io.charge[0] = Wide::default(); // error[E0594]: `Read` hands out no `&mut`
+///     }
+/// }
+/// ```
+/// Only chunk labels are memory to work in:
+/// ```compile_fail,E0080
+/// use engine::{graph::task::{At, Body}, schema::particle};
+/// use simd::{Simd, Wide};
+/// engine::labels! {
+///     Charge: Wide = particle("C", "q_p");
+///     Potential: Wide = particle("V", "phi_p");
+/// }
+/// struct Spoil;
+/// engine::task! { Particles task Spoil {
+///     computes { potential: Potential }
+///     scratch { charge: Charge }
+/// }}
+/// impl Body for Spoil {
+///     fn run<S: Simd>(&self, _at: &At<'_>, _io: Io<'_>) {}
+/// }
+/// fn main() { assert_eq!(<Spoil as engine::graph::task::Task>::ACCESS.len(), 2); }
+/// ```
+#[macro_export]
+macro_rules! task {
+    ($(#[$doc:meta])* $domain:ident task $name:ident $([$kind:ident: $bound:path])? {
+        $(requires old { $($o:ident: $O:ident $(@ $old_ghost:literal)?),* $(,)? })?
+        $(requires new { $($r:ident: $R:ident $(@ $ghost:literal)?),* $(,)? })?
+        $(requires now { $($n:ident: $N:ident $(@ $now_ghost:literal)?),* $(,)? })?
+        $(computes { $($c:ident: $C:ident $(@ $spread:literal)?),* $(,)? })?
+        $(modifies { $($m:ident: $M:ident),* $(,)? })?
+        $(scratch { $($s:ident: $S:ident),* $(,)? })?
+    }) => {
+        /// The views that the declaration grants, and nothing else.
+        pub struct Io<'a> {
+            $($(
+                #[allow(missing_docs)]
+                pub $o: $crate::data::view::Read<'a, <$O as $crate::schema::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
+                pub $r: $crate::data::view::Read<'a, <$R as $crate::schema::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
+                pub $n: $crate::data::view::Read<'a, <$N as $crate::schema::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
+                pub $c: $crate::data::view::Write<'a, <$C as $crate::schema::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
+                pub $m: $crate::data::view::Write<'a, <$M as $crate::schema::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
+                pub $s: $crate::data::view::Write<'a, <$S as $crate::schema::Label>::Tile>,)*)?
+        }
+        impl $(<$kind: $bound>)? $crate::graph::task::Task for $name $(<$kind>)? {
+            const NAME: &'static str = stringify!($name);
+            const DOMAIN: $crate::graph::task::Domain = $crate::graph::task::Domain::$domain;
+            const ACCESS: &'static [$crate::graph::task::Access] = &[
+                $($($crate::task!(@ $O RequiresOld $($old_ghost)?),)*)?
+                $($($crate::task!(@ $R RequiresNew $($ghost)?),)*)?
+                $($($crate::task!(@ $N Requires $($now_ghost)?),)*)?
+                $($($crate::task!(@ $C Computes $($spread)?),)*)?
+                $($($crate::task!(@ $M Modifies),)*)?
+                $($($crate::task!(@ $S Scratch),)*)?
+            ];
+            type Io<'a> = Io<'a>;
+            #[inline(always)]
+            fn bind<'a>(space: &'a mut $crate::data::workspace::Workspace<'_>) -> Io<'a> {
+                use $crate::schema::Label;
+                let window = $crate::data::workspace::Window::of(space);
+                let [$($($o,)*)? $($($r,)*)? $($($n,)*)? $($($c,)*)? $($($m,)*)? $($($s,)*)?] = space.columns
+                    .get_disjoint_mut([
+                        $($(const { $O::ID.index() },)*)? $($(const { $R::ID.index() },)*)? $($(const { $N::ID.index() },)*)?
+                        $($(const { $C::ID.index() },)*)? $($(const { $M::ID.index() },)*)? $($(const { $S::ID.index() },)*)?
+                    ])
+                    .expect("a declaration names each label once");
+                Io {
+                    $($($o: window.read::<$O>($o),)*)?
+                    $($($r: window.read::<$R>($r),)*)?
+                    $($($n: window.read::<$N>($n),)*)?
+                    $($($c: window.write::<$C>($c),)*)?
+                    $($($m: window.write::<$M>($m),)*)?
+                    $($($s: window.write::<$S>($s),)*)?
+                }
+            }
+        }
+    };
+    (@ $label:ident Scratch) => {
+        $crate::graph::task::Access {
+            label: $crate::graph::task::scratch(<$label as $crate::schema::Label>::ID),
+            mode: $crate::graph::task::Mode::Scratch,
+            ghost: 0,
+        }
+    };
+    (@ $label:ident $mode:ident) => { $crate::task!(@ $label $mode 0) };
+    (@ $label:ident $mode:ident $ghost:literal) => {
+        $crate::graph::task::Access {
+            label: <$label as $crate::schema::Label>::ID,
+            mode: $crate::graph::task::Mode::$mode,
+            ghost: $ghost,
+        }
+    };
+}
+
+/// A small task in one piece, in a module of its own: its numbers, what it runs over, what it declares (see
+/// [`task!`](crate::task!)), and its body as a function of the task, the place and the views.
+///
+/// ```
+/// use engine::prelude::*;
+/// labels! {
+///     Charge: Wide = particle("C", "q_p");
+///     Total: ExactSum = run("C", "sum q_p").exact();
+/// }
+/// kernel! { /// Q = Σ q_p
+///     Add() in add: Particles { requires old { charge: Charge } computes { total: Total } }
+///     |_it, at, io| for p in 0..at.count {
+///         io.total[0].add(io.charge[p / 8].0[p % 8]);
+///     }
+/// }
+/// let mut recipe = Vec::new();
+/// recipe.push(add::Add());
+/// ```
+#[macro_export]
+macro_rules! kernel {
+    ($(#[$doc:meta])* $task:ident($($of:ty),*) in $module:ident: $domain:ident { $($declared:tt)* }
+        |$it:ident, $at:ident, $io:ident| $work:expr) => {
+        #[allow(missing_docs)]
+        mod $module {
+            use super::*;
+            $(#[$doc])*
+            pub struct $task($(pub $of),*);
+            $crate::task! { $domain task $task { $($declared)* } }
+            impl $crate::graph::task::Body for $task {
+                #[inline(always)]
+                fn run<S: $crate::simd::Simd>(&self, $at: &$crate::graph::task::At<'_>, mut $io: Io<'_>) {
+                    let $it = self;
+                    $work
+                }
+            }
+        }
+    };
+}

@@ -1,0 +1,155 @@
+//! What runs, as a small tree: graphs in sequence, and loops until a label says that it is enough. A step of an explicit
+//! method is one, with the ticks of materials that take steps of their own as a loop; so are a Newton iteration around a
+//! Krylov iteration, and a contact of rigid bodies that converges.
+mod check;
+mod outline;
+
+pub use check::{RoundHazard, hazards};
+
+use crate::graph::build::TaskGraph;
+use crate::graph::error::GraphError;
+use crate::graph::recipe::Recipe;
+use crate::schema::{Home, LabelId, Life};
+use std::collections::BTreeSet;
+
+/// A named sequence of graphs and loops.
+pub struct Program {
+    /// Its name in dumps.
+    pub name: String,
+    /// What it does, in order.
+    pub nodes: Vec<Node>,
+}
+
+/// A part of a program.
+pub enum Node {
+    /// Runs a graph once.
+    Graph(Box<TaskGraph>),
+    /// Runs some parts again and again.
+    Loop(Loop),
+}
+
+/// A loop.
+pub struct Loop {
+    /// What a round does.
+    pub body: Vec<Node>,
+    /// A label of the run that a round computes: the loop ends with the round that leaves another first number than zero.
+    pub until: LabelId,
+    /// The most rounds; what happens when they were not enough is for the application to say.
+    pub most: u64,
+}
+
+/// A program before its graphs are built.
+pub enum Script {
+    /// A graph by name.
+    Graph(&'static str, Recipe),
+    /// A loop.
+    Loop {
+        /// What a round does.
+        body: Vec<Script>,
+        /// See [`Loop::until`].
+        until: LabelId,
+        /// See [`Loop::most`].
+        most: u64,
+    },
+}
+
+impl Program {
+    /// Builds the graphs of a script on `patches` patches. `outputs` are wanted besides what later graphs, rounds and steps read.
+    ///
+    /// # Errors
+    /// What a graph refuses, and a loop that waits for a label that is none of the run.
+    pub fn build(
+        name: &str,
+        script: Vec<Script>,
+        outputs: &[LabelId],
+        patches: usize,
+    ) -> Result<Self, GraphError> {
+        let mut wanted: BTreeSet<LabelId> = outputs.iter().copied().collect();
+        script.iter().for_each(|part| part.wants(&mut wanted));
+        let wanted: Vec<LabelId> = wanted.into_iter().collect();
+        let nodes = script.into_iter().map(|part| part.build(&wanted, patches));
+        Ok(Self { name: name.to_owned(), nodes: nodes.collect::<Result<_, _>>()? })
+    }
+
+    /// A program of one graph.
+    pub fn of(name: &str, graph: TaskGraph) -> Self {
+        Self { name: name.to_owned(), nodes: vec![Node::Graph(Box::new(graph))] }
+    }
+
+    /// All its graphs, in order.
+    pub fn graphs(&self) -> Vec<&TaskGraph> {
+        let mut graphs = Vec::new();
+        self.nodes.iter().for_each(|node| node.graphs(&mut graphs));
+        graphs
+    }
+
+    /// The only graph of a program that has one.
+    ///
+    /// # Panics
+    /// Never: a program has a graph.
+    pub fn main_graph(&self) -> &TaskGraph {
+        self.graphs()[0]
+    }
+
+    /// The same, without the rest.
+    pub fn into_main_graph(mut self) -> TaskGraph {
+        loop {
+            match self.nodes.swap_remove(0) {
+                Node::Graph(graph) => return *graph,
+                Node::Loop(it) => self.nodes = it.body,
+            }
+        }
+    }
+
+    /// Labels that its graphs use.
+    pub fn labels(&self) -> BTreeSet<LabelId> {
+        self.graphs().into_iter().flat_map(TaskGraph::labels).collect()
+    }
+
+    /// Particle labels of a material that its graphs use.
+    pub fn particle_labels(&self, material: usize) -> BTreeSet<LabelId> {
+        self.graphs().into_iter().flat_map(|graph| graph.particle_labels(material)).collect()
+    }
+}
+
+impl Script {
+    /// What the graphs of the script read before they write it, and what loops wait for: earlier ones must leave it.
+    fn wants(&self, wanted: &mut BTreeSet<LabelId>) {
+        match self {
+            Script::Graph(_, recipe) => {
+                let access = recipe.entries.iter().flat_map(|entry| entry.task.declaration().access);
+                let outlives = |label: LabelId| label.home() != Home::Chunk && label.life() >= Life::Step;
+                wanted.extend(access.filter(|a| a.mode.reads() && outlives(a.label)).map(|a| a.label));
+            }
+            Script::Loop { body, until, .. } => {
+                wanted.insert(*until);
+                body.iter().for_each(|part| part.wants(wanted));
+            }
+        }
+    }
+
+    fn build(self, wanted: &[LabelId], patches: usize) -> Result<Node, GraphError> {
+        match self {
+            Script::Graph(name, recipe) => {
+                let graph = TaskGraph::build(recipe, wanted, patches)?.named(name);
+                Ok(Node::Graph(Box::new(graph)))
+            }
+            Script::Loop { body, until, most } => {
+                if until.home() != Home::Run {
+                    return Err(GraphError::UntilWhat { label: until });
+                }
+                let body = body.into_iter().map(|part| part.build(wanted, patches));
+                Ok(Node::Loop(Loop { body: body.collect::<Result<_, _>>()?, until, most }))
+            }
+        }
+    }
+}
+
+impl Node {
+    fn graphs<'a>(&'a self, graphs: &mut Vec<&'a TaskGraph>) {
+        match self {
+            Node::Graph(graph) => graphs.push(graph),
+            Node::Loop(it) => it.body.iter().for_each(|node| node.graphs(graphs)),
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The nodes of a block, and those around it that its particles reach: its buffer.
+use super::BlockIndex;
+
+/// Cells, and nodes, of a block along an axis.
+pub const BLOCK: i32 = 4;
+/// Nodes of a block that has all its axes: 4x4x4.
+pub const NODES: usize = 64;
+/// Lines of a block's buffer along x, y, z, where it has all its axes: 8x8x8 nodes from node 4b − 1 on.
+pub const STRIDE: [usize; 3] = [64, 8, 1];
+/// Nodes below a block's own that its buffer holds: a particle may drift one cell out of its block.
+pub const BELOW: i32 = 1;
+/// Base nodes (relative to the buffer) that a particle of the block may have along an axis.
+pub const BASES: i32 = 6;
+/// Most nodes that a particle touches along an axis.
+pub const NODES_PER_AXIS: i32 = 3;
+/// Layers of nodes beyond a block's own that its particles can reach: what ghosts are stored for.
+pub const REACH: u8 = 3;
+
+/// How the nodes of a block and of its buffer follow one another: z fastest. An axis of a level without cells is
+/// collapsed: it has one layer of nodes, in blocks and in buffers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockShape {
+    /// Nodes of a block along each axis.
+    pub nodes: [i32; 3],
+    /// From a node of a block to the next one along each axis.
+    pub node_strides: [i32; 3],
+    /// The logarithms of `node_strides` to base 2.
+    node_shifts: [u32; 3],
+    /// Nodes of a buffer along each axis.
+    pub buffer: [i32; 3],
+    /// From a node of a buffer to the next one along each axis.
+    pub buffer_strides: [i32; 3],
+    /// Nodes of a buffer below those of its block.
+    pub below: [i32; 3],
+}
+
+impl BlockShape {
+    /// The shape on a level of so many cells along each axis.
+    pub fn new(cells: [usize; 3]) -> Self {
+        let of = |full: i32, collapsed: i32| cells.map(|n| if n == 0 { collapsed } else { full });
+        let (nodes, buffer) = (of(BLOCK, 1), of(BELOW + BLOCK + i32::from(REACH), 1));
+        let strides = |[_, y, z]: [i32; 3]| [y * z, z, 1];
+        let node_strides = strides(nodes);
+        Self {
+            nodes,
+            node_strides,
+            node_shifts: node_strides.map(i32::trailing_zeros),
+            buffer,
+            buffer_strides: strides(buffer),
+            below: of(BELOW, 0),
+        }
+    }
+
+    /// Number of nodes of a block.
+    pub fn node_count(&self) -> usize {
+        self.nodes.iter().product::<i32>() as usize
+    }
+
+    /// Number of nodes of a buffer.
+    pub fn buffer_len(&self) -> usize {
+        self.buffer.iter().product::<i32>() as usize
+    }
+
+    /// Whether an axis is collapsed.
+    pub fn is_collapsed(&self, axis: usize) -> bool {
+        self.nodes[axis] == 1
+    }
+
+    /// Base nodes (relative to the buffer) that a particle of the block may have along an axis.
+    pub fn bases(&self, axis: usize) -> i32 {
+        if self.is_collapsed(axis) { 1 } else { BASES }
+    }
+
+    /// Most nodes that a particle touches along an axis.
+    pub fn nodes_per_axis(&self, axis: usize) -> i32 {
+        if self.is_collapsed(axis) { 1 } else { NODES_PER_AXIS }
+    }
+
+    /// Place of a block's `n`-th node along each axis, from the block's first node on.
+    #[inline]
+    pub fn place(&self, n: usize) -> [i32; 3] {
+        // blocks have four nodes along an axis, or one
+        std::array::from_fn(|a| n as i32 >> self.node_shifts[a] & (self.nodes[a] - 1))
+    }
+
+    /// The first node of a block, in nodes of the level.
+    pub fn first_node(&self, block: BlockIndex) -> [i32; 3] {
+        std::array::from_fn(|a| self.nodes[a] * block[a])
+    }
+
+    /// The first node of a block's buffer, in nodes of the level.
+    pub fn first_of_buffer(&self, block: BlockIndex) -> [i32; 3] {
+        std::array::from_fn(|a| self.nodes[a] * block[a] - self.below[a])
+    }
+}
+
+/// Where the stencils of a block's particles are counted from.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin {
+    /// Node (0,0,0) of the block's buffer, in nodes of the level.
+    pub node: [f64; 3],
+    /// Lower corner of the level divided by the cell size.
+    pub lower: [f64; 3],
+    /// From a node of the buffer to the next one along each axis.
+    pub strides: [f64; 3],
+    /// The nodes of block and buffer.
+    pub shape: BlockShape,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_blocks_have_the_shape_of_the_constants() {
+        let shape = BlockShape::new([9, 1, 3]);
+        assert_eq!(shape.buffer_strides.map(|s| s as usize), STRIDE);
+        assert_eq!((shape.node_count(), shape.buffer_len()), (NODES, 8 * STRIDE[0]));
+        assert!((0..NODES).all(|n| shape.place(n) == [n >> 4, n >> 2 & 3, n & 3].map(|i| i as i32)));
+    }
+
+    #[test]
+    fn a_collapsed_axis_has_one_layer() {
+        let shape = BlockShape::new([8, 8, 0]);
+        assert_eq!((shape.node_count(), shape.buffer_len()), (16, 64));
+        assert_eq!((shape.node_strides, shape.buffer_strides), ([4, 1, 1], [8, 1, 1]));
+        assert_eq!((shape.place(7), shape.first_of_buffer([2, 0, 0])), ([1, 3, 0], [7, -1, 0]));
+        assert_eq!((shape.bases(2), shape.nodes_per_axis(2)), (1, 1));
+    }
+}

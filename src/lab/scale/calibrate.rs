@@ -1,0 +1,161 @@
+//! Costs of the model, from short runs on this machine.
+use super::field::Field;
+use super::list::Patches;
+use super::measure::{Plan, Reader, measure, resized};
+use super::model::Costs;
+use super::tally::{Rank, Tally};
+use engine::data::reduction;
+use engine::exec::{Executor, Threads};
+use engine::graph::build::TaskGraph;
+use engine::graph::phase::When;
+use engine::graph::task::Domain;
+use engine::graph::traffic::Traffic;
+use engine::schema::Combine;
+use engine::schema::LabelId;
+use scene::Scene;
+use simd::Wide;
+use std::collections::BTreeMap;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Packing where no run on several ranks has measured it [ns a byte]: a copy from cache to memory.
+const PACK: f64 = 0.25;
+/// Patches of the run that shows what patches cost.
+const MANY: usize = 64;
+/// Cells of the run that shows what blocks cost, over those of the scene.
+const COARSER: f64 = 2.0;
+
+/// Costs from three runs on one worker: on one patch, on many, and on coarser cells.
+///
+/// # Errors
+/// A run that failed.
+pub fn calibrate(
+    plan: &Plan,
+    read: &Reader<'_>,
+    graph: &TaskGraph,
+    say: &mut dyn FnMut(&str),
+) -> Result<Costs, String> {
+    let scene = read(&[])?;
+    let mut run = |patches: usize, set: Option<String>| -> Result<(Tally, usize), String> {
+        let set = plan.set.iter().cloned().chain(set).collect();
+        let (threads, ranks) = (vec![1], vec![1]);
+        let own =
+            Plan { patches: vec![Patches::Total(patches)], threads, ranks, weak: false, set, ..plan.clone() };
+        let mut say = |what: &str| say(&format!("calibration {what}"));
+        let (mut rows, mut tallies) = measure(&own, read, &mut say);
+        match (tallies.pop().flatten(), rows.pop()) {
+            (Some(tally), Some(row)) => Ok((tally, row.patches)),
+            (_, row) => Err(row.and_then(|row| row.error).unwrap_or_default()),
+        }
+    };
+    let field = Field::of(&scene)?;
+    let (plain, few) = run(1, None)?;
+    let mut costs = tasks(&plain, graph, &field);
+    let (cut, many) = run(MANY, None)?;
+    let engine = |tally: &Tally| per_step(tally, |rank| rank.engine() - rank.relocate).max(0.0);
+    let more = many.saturating_sub(few).max(1) as f64;
+    costs.patch = ((engine(&cut) - engine(&plain)) / more).max(0.0);
+    let cell = resized(&scene, 1.0 / COARSER);
+    let coarse = read(&[("domain.cell".to_owned(), cell.to_string())]).and_then(|scene| Field::of(&scene));
+    // not every scene can have coarser cells: then all of it is the blocks'
+    let slope = coarse.ok().filter(|coarse| coarse.blocks() < field.blocks()).and_then(|coarse| {
+        let (tally, _) = run(1, Some(format!("domain.cell={cell}"))).ok()?;
+        Some((engine(&plain) - engine(&tally)) / (field.blocks() - coarse.blocks()) as f64)
+    });
+    let rest = (engine(&plain) - costs.patch * few as f64).max(0.0);
+    let blocks = field.blocks().max(1) as f64;
+    costs.block = slope.unwrap_or(rest / blocks).clamp(0.0, rest / blocks);
+    costs.step = rest - costs.block * blocks;
+    costs.fork = fork();
+    costs.merge = merge(&graph.at_end);
+    (costs.pack, costs.contention) = (PACK, 1.0);
+    Ok(costs)
+}
+
+/// Mean over ranks of a part of a step [ns].
+fn per_step(tally: &Tally, part: impl Fn(&Rank) -> f64) -> f64 {
+    tally.ranks.iter().map(part).sum::<f64>() / tally.ranks.len().max(1) as f64 / tally.steps.max(1) as f64
+}
+
+/// What tasks cost, and looking for particles that leave.
+fn tasks(tally: &Tally, graph: &TaskGraph, field: &Field) -> Costs {
+    let mut kinds = BTreeMap::new();
+    for stage in graph.phases.iter().flat_map(|phase| &phase.stages) {
+        let names: Vec<&str> = stage.nodes.iter().map(|&n| graph.graph[n].declaration.name).collect();
+        kinds.insert((names, stage.material), (stage.domain == Domain::Nodes, stage.when == When::End));
+    }
+    let particles = field.particles();
+    let mut costs =
+        Costs { give: vec![0.0; particles.len()], take: vec![0.0; particles.len()], ..Costs::default() };
+    let steps = tally.steps.max(1) as f64;
+    for ((tasks, material), ns) in &tally.stages {
+        let material =
+            material.as_ref().and_then(|m| graph.recipe.materials.iter().position(|name| name == m));
+        let names: Vec<&str> = tasks.iter().map(String::as_str).collect();
+        let ns = ns / steps;
+        match (kinds.get(&(names, material)), material) {
+            (Some((true, _)), _) => costs.node += ns / field.nodes().max(1.0),
+            (Some((_, false)), Some(m)) => costs.give[m] += ns / particles[m].max(1.0),
+            (Some((_, true)), Some(m)) => costs.take[m] += ns / particles[m].max(1.0),
+            // tasks of other graphs
+            _ => {}
+        }
+    }
+    costs.relocate = per_step(tally, |rank| rank.relocate) / field.blocks().max(1) as f64;
+    costs
+}
+
+/// Packing as a run on several ranks measured it [ns a byte], if one did.
+pub fn pack(tallies: &[Option<Tally>]) -> Option<f64> {
+    let packed = |tally: &Tally| tally.ranks.iter().map(|rank| rank.packed).sum::<u64>();
+    let tally = tallies.iter().flatten().find(|tally| packed(tally) > 0)?;
+    Some(tally.ranks.iter().map(|rank| rank.pack).sum::<f64>() / packed(tally) as f64)
+}
+
+/// Task time of a run on several workers over what the costs of one worker make of it.
+pub fn contention(several: &Tally, costs: &Costs, field: &Field) -> f64 {
+    let tasks: f64 = several.ranks.iter().map(|rank| rank.tasks[1]).sum();
+    let prices = costs.give.iter().zip(&costs.take).map(|(give, take)| give + take);
+    let particles: f64 = field.particles().iter().zip(prices).map(|(count, price)| count * price).sum();
+    let alone = particles + field.nodes() * costs.node;
+    (tasks / several.steps.max(1) as f64 / alone.max(1.0)).max(1.0)
+}
+
+/// Bytes of the reduction of a tick: its labels, and a line of counters.
+pub fn reduced_bytes(scene: &Scene, labels: &[LabelId]) -> f64 {
+    Traffic::none(scene.materials.len()).reduced_bytes(labels) as f64
+}
+
+/// Handing work to two workers and waiting for them [ns]: the best of many.
+fn fork() -> f64 {
+    let Ok(pool) = Threads::new(2) else { return 0.0 };
+    let mut items = [0u64; 16];
+    let mut once = || {
+        let began = Instant::now();
+        pool.each(&mut items, |_, item| *item = black_box(*item + 1));
+        began.elapsed().as_nanos() as u64
+    };
+    let mut times: Vec<u64> = (0..400).map(|_| once()).collect();
+    times.sort_unstable();
+    times[times.len() / 4] as f64
+}
+
+/// Merging a byte of a reduction [ns]: the best of several.
+fn merge(labels: &[LabelId]) -> f64 {
+    let mut parts: Vec<(Combine, Vec<Wide>, Vec<Wide>)> = labels
+        .iter()
+        .map(|label| {
+            (label.combine(), vec![Wide::default(); label.width()], vec![Wide::default(); label.width()])
+        })
+        .collect();
+    let bytes: usize = parts.iter().map(|(_, into, _)| size_of_val(&into[..])).sum();
+    let mut once = || {
+        let began = Instant::now();
+        for (combine, into, from) in &mut parts {
+            reduction::merge(*combine, black_box(into), from);
+        }
+        began.elapsed().as_nanos() as u64
+    };
+    let best = (0..100).map(|_| once()).min().unwrap_or(0);
+    best as f64 / bytes.max(1) as f64
+}

@@ -1,0 +1,10 @@
+//! The physics: pure functions of numbers. Nothing here knows a patch, a task or a file.
+pub mod acoustic;
+pub mod contact;
+
+pub mod law;
+pub mod materials;
+pub mod parameter;
+
+pub mod tensor;
+pub mod viscosity;

@@ -1,0 +1,301 @@
+//! What is simulated: a validated scene, everything in SI units, names resolved to indices, geometry ready to sample.
+//! `sinew::input` makes it from TOML.
+pub mod geometry;
+pub mod sampling;
+
+use geometry::Solid;
+pub use physics::contact::friction::Criterion;
+use physics::materials::AnyLaw;
+pub use physics::viscosity::Viscosity;
+use std::collections::BTreeMap;
+
+/// What to simulate.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The name of the scene's folder, or the file's stem.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Where.
+    pub domain: Domain,
+    /// What things are made of; each has a velocity field of its own. Indices into this list name materials.
+    pub materials: Vec<Material>,
+    /// Pieces of matter.
+    pub bodies: Vec<Body>,
+    /// Which materials touch, and how. Pairs that are not listed pass through each other.
+    pub contacts: Vec<Contact>,
+    /// Conditions on the faces x−, x+, y−, y+, z−, z+ of the domain.
+    pub faces: [FaceCondition; 6],
+    /// Regions of particles with a prescribed velocity.
+    pub drives: Vec<Drive>,
+    /// Acceleration of all matter [m/s²].
+    pub gravity: [f64; 3],
+    /// Mass-proportional damping a = −αv, α [1/s].
+    pub damping: f64,
+    /// Numerics.
+    pub run: Run,
+    /// What to write.
+    pub output: Output,
+    /// Scene lines that asked for things, by dotted key such as `run.viscosity` or `contact.0.friction`: 1-based.
+    pub lines: BTreeMap<String, usize>,
+    /// The resolved scene as TOML in SI units, defaults filled in, overrides applied (written beside the results).
+    pub resolved: String,
+}
+
+/// A box of cubic cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Domain {
+    /// Lower corner [m].
+    pub lower: [f64; 3],
+    /// Cells along each axis.
+    pub cells: [usize; 3],
+    /// Edge of a cell [m].
+    pub cell: f64,
+}
+
+/// A material: a law and a velocity field.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// Name in the scene, in tables and in files.
+    pub name: String,
+    /// Density ρ₀ [kg/m³].
+    pub density: f64,
+    /// How it deforms.
+    pub behavior: Behavior,
+}
+
+/// How a material deforms, or that it does not.
+#[derive(Clone, Debug)]
+pub enum Behavior {
+    /// By a constitutive law.
+    Deformable(AnyLaw),
+    /// Not at all.
+    Rigid(RigidMotion),
+}
+
+/// What moves a rigid body. All bodies of a rigid material form one rigid body.
+#[derive(Clone, Debug)]
+pub enum RigidMotion {
+    /// Six degrees of freedom: contact and gravity move it. Initial angular velocity [rad/s].
+    Free {
+        /// ω at the start [rad/s], about the center of mass.
+        angular_velocity: [f64; 3],
+    },
+    /// A velocity in time, and a constant angular velocity [rad/s] about the center of mass.
+    Prescribed {
+        /// Velocity of the center of mass in time.
+        velocity: Table,
+        /// ω [rad/s]
+        angular_velocity: [f64; 3],
+    },
+}
+
+/// A vector that is constant or piecewise linear in time: (time [s], value), times ascending, at least one row.
+/// Before the first and after the last row the value is that of the row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table(pub Vec<(f64, [f64; 3])>);
+
+impl Table {
+    /// The value at time `t` [s].
+    pub fn at(&self, t: f64) -> [f64; 3] {
+        let rows = &self.0;
+        let next = rows.partition_point(|row| row.0 <= t);
+        if next == 0 || next == rows.len() {
+            return rows[next.saturating_sub(1)].1;
+        }
+        let ((t0, a), (t1, b)) = (rows[next - 1], rows[next]);
+        let s = (t - t0) / (t1 - t0);
+        std::array::from_fn(|i| a[i] + s * (b[i] - a[i]))
+    }
+}
+
+/// A piece of matter, filled with particles on the regular lattice of the cells.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Name in messages.
+    pub name: String,
+    /// Index of its material.
+    pub material: usize,
+    /// Its shape.
+    pub solid: Solid,
+    /// Particles along each axis of a cell.
+    pub particles_per_cell: [usize; 3],
+    /// Initial velocity [m/s].
+    pub velocity: [f64; 3],
+    /// Direction of the fibers at the start.
+    pub fibers: FiberField,
+}
+
+/// Direction of the fibers in the undeformed body, as a field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FiberField {
+    /// The same unit vector everywhere.
+    Uniform([f64; 3]),
+    /// `start` at the plane `axis · x = from`, turned about `axis` by `angle` (right-handed, linear in between)
+    /// at the plane `axis · x = to`.
+    Turning {
+        /// Unit vector at `from`, perpendicular to `axis`.
+        start: [f64; 3],
+        /// Unit vector through the thickness.
+        axis: [f64; 3],
+        /// Offset of the first plane [m].
+        from: f64,
+        /// Offset of the second plane [m].
+        to: f64,
+        /// Turn between the planes [rad].
+        angle: f64,
+    },
+}
+
+/// How two materials touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// Indices of the two materials, ascending.
+    pub between: [usize; 2],
+    /// The law.
+    pub law: ContactLaw,
+    /// Contact acts only while the gap between the surfaces is below this many cells.
+    pub gap: f64,
+}
+
+/// Contact laws.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ContactLaw {
+    /// One velocity for both materials.
+    Bonded,
+    /// Coulomb friction with free separation.
+    Friction {
+        /// Coefficient μ.
+        coefficient: f64,
+        /// When it acts.
+        criterion: Criterion,
+    },
+}
+
+/// Condition on a face of the domain.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FaceCondition {
+    /// Nothing holds the matter.
+    Free,
+    /// v = 0
+    Fixed,
+    /// v · n = 0
+    Symmetric,
+    /// v as given in time.
+    Velocity(Table),
+}
+
+/// A region whose particles move as prescribed.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    /// Index of the material whose particles are driven.
+    pub material: usize,
+    /// Particles that lie in it at the start are driven.
+    pub region: Solid,
+    /// Their velocity in time.
+    pub velocity: Table,
+}
+
+/// Shape function family.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShapeFunction {
+    /// Trilinear hats.
+    Linear,
+    /// Uniform GIMP.
+    Gimp,
+}
+
+/// Who takes which time steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rates {
+    /// All materials take the step that the fastest one needs.
+    Common,
+    /// Each material takes steps of its own.
+    PerMaterial {
+        /// The most steps of the fastest material in one of the slowest.
+        most: u32,
+    },
+}
+
+/// What happens to a particle that leaves the domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leaving {
+    /// The run stops with an error.
+    Error,
+    /// It is taken out and counted.
+    Delete,
+    /// It is put back inside, with its velocity mirrored at the face, and counted.
+    Reflect,
+}
+
+/// Numerics.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// End of the simulated time [s].
+    pub until: f64,
+    /// Most steps to take, if limited.
+    pub steps: Option<u64>,
+    /// CFL number.
+    pub cfl: f64,
+    /// Who takes which steps.
+    pub rates: Rates,
+    /// A step below this [s] ends the run with an error.
+    pub smallest_step: f64,
+    /// Shape functions.
+    pub shape: ShapeFunction,
+    /// 0: FLIP, 1: PIC.
+    pub pic: f64,
+    /// Artificial viscosity, if any.
+    pub viscosity: Option<Viscosity>,
+    /// What happens to a particle that leaves the domain.
+    pub leaving: Leaving,
+    /// Steps between two attempts to balance the load of ranks (0: none).
+    pub rebalance_every: u64,
+    /// Patches along each axis; `None`: chosen from the number of threads.
+    pub patches: Option<[usize; 3]>,
+    /// Threads; `None`: all cores.
+    pub threads: Option<usize>,
+}
+
+/// What to write.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
+    /// Frames of `particles.vtkhdf` over the whole run, besides the first (0: none at all).
+    pub frames: usize,
+    /// A row of `history.csv` every so many steps.
+    pub history_every: u64,
+    /// When to write checkpoints.
+    pub checkpoint: Checkpoint,
+    /// For the wound table, if the scene is a shot through a slab.
+    pub wound: Option<Wound>,
+}
+
+/// When to write checkpoints: whenever one of these says so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// Every so many steps.
+    pub steps: Option<u64>,
+    /// Every so much simulated time [s].
+    pub time: Option<f64>,
+    /// Every so much time on the clock of the machine [s]; 0: never.
+    pub wall: f64,
+    /// How many to keep.
+    pub kept: usize,
+}
+
+/// What `sinew wound` measures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wound {
+    /// Material of the slab.
+    pub target: usize,
+    /// Material of the projectile.
+    pub projectile: usize,
+    /// Axis of the shot: 0, 1, 2.
+    pub axis: usize,
+    /// +1 if the shot goes up the axis, −1 if down.
+    pub direction: f64,
+    /// Slab surface where it enters, and where it leaves [m].
+    pub surfaces: [f64; 2],
+    /// Point of entry in the two other axes, in ascending order of axes [m].
+    pub center: [f64; 2],
+}

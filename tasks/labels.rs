@@ -1,0 +1,77 @@
+//! The table of labels: every quantity that passes between tasks, with all that the engine needs to know of it.
+//!
+//! To the right of the tile (eight particles, one node, or one material of the quantity): home, unit, symbol, and what differs
+//! from the usual of such labels. See [`engine::schema`].
+use crate::rigid::state::RigidState;
+use engine::data::exact_sum::ExactSum;
+use engine::data::rates::{Clock, MaterialStep};
+use engine::schema::Life::{Carried, Step};
+use engine::schema::{Label, Rates, Roles, Schema, block, chunk, material, node, particle, run};
+use shapes::{NodeRows, Stencil};
+use simd::Wide;
+
+/// F of an undeformed particle, row by row.
+pub const UNDEFORMED: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+/// The identity of nobody.
+const NOBODY: [f64; 1] = [f64::from_bits(u64::MAX)];
+
+engine::labels! {
+    Position: [Wide; 3]       = particle("m", "x_p").in_the_middle();
+    Velocity: [Wide; 3]       = particle("m/s", "v_p");
+    Mass: Wide                = particle("kg", "m_p");
+    InitialVolume: Wide       = particle("m^3", "V0_p");
+    Volume: Wide              = particle("m^3", "V_p = J V0_p");
+    Deformation: [Wide; 9]    = particle("1", "F_p, row by row").inert(&UNDEFORMED);
+    KirchhoffStress: [Wide; 6] = particle("Pa", "tau_p: xx xy xz yy yz zz");
+    History: Wide             = particle("mixed", "what the law keeps, one line a number").by_material();
+    ViscousWork: Wide         = particle("J/m^3", "work of the artificial viscosity per reference volume");
+    ReferencePosition: [Wide; 3] = particle("m", "X_p - X_c of a rigid body's particle");
+    DriveIndex: Wide          = particle("1", "1 + index of the drive that moves p, 0: none");
+    Identity: Wide            = particle("1", "identity of p, as the bits of an integer").inert(&NOBODY);
+
+    Weights: Stencil          = chunk("1, 1/m", "S_Ip and its gradient, one axis at a time");
+    MassFlow: [Wide; 4]       = chunk("kg, N s", "m_p, m_p v_p: what S_Ip distributes");
+    StressFlow: [Wide; 7]     = chunk("J, m^3", "-V0 tau, V: what grad S_Ip (and S_Ip) distribute");
+    ContactFlow: [Wide; 4]    = chunk("m^3, kg m", "V_p, m_p x_p: what grad S_Ip and S_Ip distribute");
+    ScatterRows: NodeRows     = chunk("mixed", "the flows, one row a particle");
+    GatherRows: NodeRows      = chunk("mixed", "gathered sums, one row a particle");
+    GridVelocity: [Wide; 3]   = chunk("m/s", "sum_I S_Ip v_I");
+    VelocityChange: [Wide; 3] = chunk("m/s", "sum_I S_Ip dv_I");
+    VelocityGradient: [Wide; 9] = chunk("1/s", "L_p = sum_I v_I grad S_Ip");
+    StiffnessBound: Wide      = chunk("Pa", "upper bound of rho0 c^2 in p");
+
+    NodeSums: Wide            = node("mixed", "m, m v (3), f (3), V").partials(3);
+    ContactSums: Wide         = node("mixed", "0, m x (3), sum V grad S (3), 0").partials(3).where_fields_meet();
+    ContactImpulse: Wide      = node("N s", "impulse of contact in this step: normal (3), 0, friction (3), 0")
+                                    .lives(Step).where_fields_meet();
+    NodeMotion: Wide          = node("m/s", "v (3), 0, change of v in this step (3), 0").values(3).lives(Step);
+
+    BlockExtent: [Wide; 6]    = block("cells", "max of +-(base node) over the block, to see who leaves it").largest();
+
+    SignalSpeed: [Wide; 3]    = material("m/s", "max over p of c + |v|, of c, of |v|").largest().lives(Carried);
+    OwnStep: MaterialStep     = material("s", "the step of its own that a material is in").lives(Carried);
+    Fault: Wide               = material("mixed", "first inadmissible particle: kind, identity, value").first();
+    FirstFailure: [Wide; 2]   = material("mixed", "time, identity, place of the first matrix and fiber failure").first();
+    RigidImpulse: [ExactSum; 6] = material("N s, N m s", "impulse and torque impulse on a rigid body").exact().lives(Carried);
+    RigidMotion: RigidState   = material("mixed", "state of a rigid body").lives(Carried);
+    MaterialEnergy: [ExactSum; 5] = material("J", "kinetic, strain, plastic, fracture, viscous").exact();
+    MaterialMotion: [ExactSum; 10] = material("mixed", "m, m v (3), m x (3), m x cross v (3)").exact();
+    FailedCount: [ExactSum; 4] = material("1", "particles with failed matrix only, fibers only, both, inverted").exact();
+
+    Time: Clock               = run("s", "time, tick, and what limits it").lives(Carried);
+    StepOver: Wide            = run("1", "1 where all materials are together again: the step is over").lives(Step);
+    ContactWork: [ExactSum; 2] = run("J", "kinetic energy lost in contact: by friction, by impact").exact();
+    TransferLoss: ExactSum    = run("J", "kinetic energy that nodes gain and particles do not").exact();
+    BoundaryWork: [ExactSum; 4] = run("J, N s", "work of boundaries, drives and loads on the matter, and their impulse").exact();
+}
+
+/// All labels, and those that the engine reads.
+pub static SCHEMA: Schema = Schema::new(
+    &ROWS,
+    Roles {
+        position: Position::ID,
+        identity: Identity::ID,
+        extent: BlockExtent::ID,
+        rates: Some(Rates { clock: Time::ID, steps: OwnStep::ID }),
+    },
+);

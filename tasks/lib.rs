@@ -1,0 +1,35 @@
+//! The stages of the method, one task a file, and the recipe that orders them.
+//!
+//! Tasks know labels, laws and numbers; they know no warehouse, no thread, no rank and no other task.
+#![allow(missing_docs)] // each module is documented by its task
+
+pub mod advance;
+pub mod boundary;
+pub mod clock;
+pub mod contact;
+pub mod contact_begin;
+pub mod contact_flow;
+pub mod contact_power;
+pub mod contact_scatter;
+pub mod drive;
+pub mod gather;
+pub mod grid_power;
+pub mod integrate;
+pub mod labels;
+pub mod load_power;
+pub mod loads;
+pub mod mass_flow;
+pub mod nodal_velocity;
+pub mod recipes;
+pub mod reflection;
+pub mod report;
+pub mod rest;
+pub mod rigid;
+pub mod scatter;
+pub mod signal_speed;
+pub mod stress;
+pub mod stress_flow;
+pub mod timestep_size;
+pub mod viscosity;
+pub mod weights;
+mod work;

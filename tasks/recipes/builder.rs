@@ -1,0 +1,234 @@
+//! The lines of recipes, as a scene asks for them.
+use crate::advance::Advance;
+use crate::boundary::Boundary;
+use crate::contact::Contact;
+use crate::contact_begin::ContactBegin;
+use crate::contact_power::ContactPower;
+use crate::drive::Drive;
+use crate::labels::SCHEMA;
+use crate::load_power::LoadPower;
+use crate::loads::{LoadField, Loads};
+use crate::reflection::Reflection;
+use crate::rigid::contact::RigidContact;
+use crate::rigid::follow::Follow;
+use crate::rigid::motion::RigidMotion;
+use crate::rigid::velocity::RigidVelocity;
+use crate::stress::Stress;
+use crate::viscosity::Viscosity;
+use crate::weights::Weights;
+use engine::data::extent::Bases;
+use engine::graph::recipe::Recipe;
+use engine::graph::task::Runnable;
+use grid::Lattice;
+use physics::contact::surface::SurfaceTable;
+use physics::law::Law;
+use physics::materials::{AnyLaw, WithLaw};
+use scene::{Behavior, FaceCondition, Leaving, Rates, RigidMotion as Motion, Scene, ShapeFunction};
+use shapes::gimp::Gimp;
+use shapes::linear::Linear;
+
+/// Collects the lines of a recipe.
+pub(super) struct Builder<'a> {
+    scene: &'a Scene,
+    recipe: Recipe,
+    pub(super) rigid: Vec<bool>,
+    lattice: Lattice,
+    /// Far below the mass of any particle at any node that it touches noticeably.
+    pub(super) least_mass: f64,
+}
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(scene: &'a Scene) -> Self {
+        let materials = scene.materials.iter().map(|m| m.name.clone()).collect();
+        let lightest = scene.materials.iter().map(|m| m.density).fold(f64::INFINITY, f64::min);
+        Self {
+            scene,
+            recipe: Recipe::new(&SCHEMA, materials),
+            rigid: rigid(scene),
+            lattice: Lattice { lower: scene.domain.lower, cell: scene.domain.cell },
+            least_mass: 1e-14 * lightest * scene.domain.cell.powi(3),
+        }
+    }
+
+    pub(super) fn finish(self) -> Recipe {
+        self.recipe
+    }
+
+    pub(super) fn add(&mut self, material: usize, because: &str, task: impl Runnable + 'static) {
+        self.recipe.add(material, because, task);
+    }
+
+    /// A task over the nodes of all materials, or once a step.
+    pub(super) fn all(&mut self, because: &str, task: impl Runnable + 'static) {
+        self.recipe.all(because, task);
+    }
+
+    pub(super) fn timestep_size(&mut self) {
+        let because = if self.scene.run.rates == Rates::Common { "" } else { "run.rates" };
+        self.all(because, super::timestep_size(self.scene));
+    }
+
+    pub(super) fn reflection(&mut self) {
+        if self.scene.run.leaving == Leaving::Reflect {
+            self.all("run.leaving", Reflection);
+        }
+    }
+
+    fn inverse_cell(&self) -> f64 {
+        1.0 / self.scene.domain.cell
+    }
+
+    fn bases(&self, material: usize) -> Bases {
+        Bases { inverse_cell: self.inverse_cell(), half_size: half_size(self.scene, material) }
+    }
+
+    pub(super) fn touches(&self, material: usize) -> bool {
+        self.scene.contacts.iter().any(|c| c.between.contains(&material))
+    }
+
+    pub(super) fn weights(&mut self, material: usize) {
+        let inverse_cell = self.inverse_cell();
+        match self.scene.run.shape {
+            ShapeFunction::Linear => self.add(material, "run.shape", Weights { shape: Linear, inverse_cell }),
+            ShapeFunction::Gimp => {
+                let shape = Gimp { half_size: half_size(self.scene, material) };
+                self.add(material, "run.shape", Weights { shape, inverse_cell });
+            }
+        }
+    }
+
+    pub(super) fn rigid_velocity(&mut self) {
+        if self.rigid.contains(&true) {
+            let task = RigidVelocity { lattice: self.lattice, rigid: self.rigid.clone() };
+            self.all("material", task);
+        }
+    }
+
+    pub(super) fn contact_begin(&mut self) {
+        if !self.scene.contacts.is_empty() {
+            self.all("contact", ContactBegin);
+        }
+    }
+
+    pub(super) fn contact_power(&mut self) {
+        if !self.scene.contacts.is_empty() {
+            self.all("contact", ContactPower);
+        }
+    }
+
+    pub(super) fn contact(&mut self) {
+        if self.scene.contacts.is_empty() {
+            return;
+        }
+        let surfaces = (0..self.scene.materials.len()).map(|m| {
+            let mean = |numbers: [f64; 3]| numbers.iter().sum::<f64>() / 3.0;
+            SurfaceTable::new(0.5 * mean(spacing(self.scene, m)), mean(half_size(self.scene, m)))
+        });
+        let task = Contact {
+            pairs: self.scene.contacts.clone(),
+            lattice: self.lattice,
+            least_mass: self.least_mass,
+            rigid: self.rigid.clone(),
+            surfaces: surfaces.collect(),
+            symmetric: self.scene.faces.each_ref().map(|face| *face == FaceCondition::Symmetric),
+            cells: self.scene.domain.cells,
+        };
+        if self.rigid.contains(&true) {
+            self.all("contact", RigidContact(task));
+        } else {
+            self.all("contact", task);
+        }
+    }
+
+    /// What acts everywhere, if the scene has it.
+    fn field(&self) -> Option<LoadField> {
+        let (gravity, damping) = (self.scene.gravity, self.scene.damping);
+        (gravity != [0.0; 3] || damping != 0.0).then_some(LoadField { gravity, damping })
+    }
+
+    pub(super) fn loads(&mut self) {
+        if let Some(field) = self.field() {
+            let task = Loads { field, least_mass: self.least_mass, rigid: self.rigid.clone() };
+            self.all("load", task);
+        }
+    }
+
+    pub(super) fn load_power(&mut self) {
+        if let Some(field) = self.field() {
+            let task = LoadPower { field, least_mass: self.least_mass, rigid: self.rigid.clone() };
+            self.all("load", task);
+        }
+    }
+
+    pub(super) fn boundary(&mut self) {
+        if self.scene.faces.iter().any(|f| *f != FaceCondition::Free) {
+            let task = Boundary {
+                faces: self.scene.faces.clone(),
+                cells: self.scene.domain.cells,
+                rigid: self.rigid.clone(),
+            };
+            self.all("boundary", task);
+        }
+    }
+
+    pub(super) fn rigid_motion(&mut self) {
+        let prescribed = self.scene.materials.iter().map(|m| match &m.behavior {
+            Behavior::Rigid(Motion::Prescribed { velocity, .. }) => Some(velocity.clone()),
+            _ => None,
+        });
+        let task = RigidMotion { prescribed: prescribed.collect(), gravity: self.scene.gravity };
+        self.all("material", task);
+    }
+
+    pub(super) fn stress(&mut self, material: usize, law: &AnyLaw) {
+        law.visit(AddStress(self, material));
+    }
+
+    pub(super) fn viscosity(&mut self, material: usize) {
+        if let Some(law) = self.scene.run.viscosity {
+            self.add(material, "run.viscosity", Viscosity { law, cell: self.scene.domain.cell });
+        }
+    }
+
+    pub(super) fn drive(&mut self, material: usize) {
+        if self.scene.drives.iter().any(|d| d.material == material) {
+            let drives = self.scene.drives.iter().map(|d| d.velocity.clone()).collect();
+            self.add(material, "drive", Drive { drives });
+        }
+    }
+
+    pub(super) fn advance(&mut self, material: usize) {
+        self.add(material, "", Advance { pic: self.scene.run.pic, bases: self.bases(material) });
+    }
+
+    pub(super) fn follow(&mut self, material: usize) {
+        self.add(material, "material", Follow { bases: self.bases(material) });
+    }
+}
+
+struct AddStress<'a, 'b>(&'a mut Builder<'b>, usize);
+
+impl WithLaw for AddStress<'_, '_> {
+    type Output = ();
+    fn with<L: Law>(self, law: L) {
+        self.0.add(self.1, "material", Stress(law));
+    }
+}
+
+/// Particles' half-size in cells along each axis, for the shape function of `scene`; 0 for hats.
+pub fn half_size(scene: &Scene, material: usize) -> [f64; 3] {
+    match scene.run.shape {
+        ShapeFunction::Linear => [0.0; 3],
+        ShapeFunction::Gimp => spacing(scene, material).map(|s| 0.5 * s),
+    }
+}
+
+/// Distance of a material's particles in cells along each axis.
+fn spacing(scene: &Scene, material: usize) -> [f64; 3] {
+    let body = scene.bodies.iter().find(|b| b.material == material);
+    body.map_or([0.5; 3], |b| b.particles_per_cell.map(|n| 1.0 / n as f64))
+}
+
+pub(super) fn rigid(scene: &Scene) -> Vec<bool> {
+    scene.materials.iter().map(|m| matches!(m.behavior, Behavior::Rigid(_))).collect()
+}

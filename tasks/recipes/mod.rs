@@ -1,0 +1,11 @@
+//! The recipes: ordered lists of tasks. The list is the algorithm; the graph derives the edges, drops what nobody needs and fuses
+//! neighbors, and what the scene does not ask for is not in the list.
+mod builder;
+mod explicit;
+mod report;
+mod start;
+
+pub use builder::half_size;
+pub use explicit::{step, tick, timestep_size};
+pub use report::report;
+pub use start::start;

@@ -1,0 +1,15 @@
+use crate::labels::BoundaryWork;
+use engine::graph::task::{At, Body};
+use simd::Simd;
+
+/// Opens the account of what faces give to particles that are put back into the domain at the end of a tick.
+pub struct Reflection;
+
+engine::task! { Once task Reflection {
+    computes { work: BoundaryWork }
+}}
+
+impl Body for Reflection {
+    #[inline(always)]
+    fn run<S: Simd>(&self, _at: &At<'_>, _io: Io<'_>) {}
+}

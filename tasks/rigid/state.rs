@@ -1,0 +1,35 @@
+//! The state of a rigid body.
+use bytemuck::{Pod, Zeroable};
+
+/// A rigid body: where it is and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct RigidState {
+    /// Mass [kg].
+    pub mass: f64,
+    /// Center of mass [m].
+    pub center: [f64; 3],
+    /// Velocity of the center of mass [m/s].
+    pub velocity: [f64; 3],
+    /// Angular velocity [rad/s].
+    pub angular: [f64; 3],
+    /// Rotation R from the reference, row by row.
+    pub rotation: [f64; 9],
+    /// Inertia tensor in the reference orientation about the center [kg m²], row by row.
+    pub inertia: [f64; 9],
+    /// 1: moved by contact and loads, 0: motion prescribed.
+    pub free: f64,
+    /// Makes whole cache lines.
+    pub unused: [f64; 3],
+}
+
+impl RigidState {
+    /// Velocity of the body's point at `x` [m]: V + ω × (x − X_c).
+    #[inline]
+    pub fn velocity_at(&self, x: [f64; 3]) -> [f64; 3] {
+        let r: [f64; 3] = std::array::from_fn(|a| x[a] - self.center[a]);
+        let w = self.angular;
+        let v = self.velocity;
+        [v[0] + w[1] * r[2] - w[2] * r[1], v[1] + w[2] * r[0] - w[0] * r[2], v[2] + w[0] * r[1] - w[1] * r[0]]
+    }
+}
