@@ -5,6 +5,7 @@ use assert_cmd::Command;
 use common::command::{sinew, words};
 use std::path::Path;
 use std::process::Output;
+use std::time::Duration;
 
 fn short_run(out: &Path, more: &[&str]) -> Output {
     let out = out.to_str().expect("a plain path");
@@ -85,6 +86,48 @@ fn more_patches_than_blocks_is_bad_usage() {
     let output = short_run(folder.path(), &["-q", "--patches", "1000x1x1"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(words(&output).contains("1000 patches along x"), "{}", words(&output));
+}
+
+#[test]
+fn more_threads_than_can_be_is_bad_usage_wherever_they_are_asked_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    assert!(short_run(folder.path(), &["-q", "--set", "output.checkpoint.steps=3"]).status.success());
+    let run = folder.path().to_str().expect("a plain path");
+    let shots: [&[&str]; 5] = [
+        &["run", "problems/two-spheres", "-q", "--force", "--out", run],
+        &["run", "--restart", run, "-q"],
+        &["check", "problems/two-spheres", "--validate-only"],
+        &["graph", "problems/two-spheres"],
+        &["bench", "problems/two-spheres", "-q"],
+    ];
+    for shot in shots {
+        for asked in [&["--threads", "1000000"][..], &["--set", "run.threads=1000000"]] {
+            if shot[0] == "bench" && asked[0] == "--threads" {
+                // the option is what counts, and what is checked
+                let both = [shot, asked, &["--set", "run.threads=2"]].concat();
+                refuses_a_million_threads(&both);
+            }
+            refuses_a_million_threads(&[shot, asked].concat());
+        }
+    }
+    // a run of a larger machine can still be looked at
+    let scene = folder.path().join("scene.toml");
+    let text = std::fs::read_to_string(&scene).expect("a scene");
+    std::fs::write(&scene, text.replace("[run]", "[run]\nthreads = 1000000")).expect("a file");
+    let output = sinew(&["picture", run]);
+    assert!(output.status.success(), "{}", words(&output));
+}
+
+#[track_caller]
+fn refuses_a_million_threads(arguments: &[&str]) {
+    let mut command = Command::cargo_bin("sinew").expect("the command is built");
+    let output = command.args(arguments).timeout(Duration::from_secs(60)).output().expect("an end");
+    let said = words(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+    let cores = format!("may use {} core", sinew::simulation::available_threads());
+    for fact in ["`run.threads` is 1000000", cores.as_str()] {
+        assert!(said.contains(fact), "{arguments:?}: {said}");
+    }
 }
 
 #[test]

@@ -132,6 +132,12 @@ fn types_and_ranges() {
     check("lower = [0, 0, 0]", "lower = [0, 0]", "lower", &["array of 3 numbers", "array of 2"]);
     check("\"1 ms\"", "\"1 ms\"\ncfl = 1.5", "cfl", &["run.cfl", "1.5", "at most 1"]);
     check("\"1 ms\"", "\"1 ms\"\nthreads = 0", "threads", &["run.threads", "at least 1"]);
+    for many in ["1000000", "-3", "99999999999999999999"] {
+        let cores = format!("may use {} core", sinew::simulation::available_threads());
+        let number = if many.len() > 18 { "100000000000000000000" } else { many };
+        let facts = ["run.threads", number, &cores, "at most"];
+        check("\"1 ms\"", &format!("\"1 ms\"\nthreads = {many}"), "threads", &facts);
+    }
     check("\"1 ms\"", "\"1 ms\"\nsteps = 1.5", "steps", &["must be an integer, not a number"]);
     check("\"1 ms\"", "\"1 ms\"\nshape = \"gipm\"", "gipm", &["gipm", "did you mean `gimp`"]);
     check("\"fixed\"", "\"fixt\"", "fixt", &["boundary.x-min", "did you mean `fixed`"]);
@@ -328,6 +334,8 @@ fn overrides() {
         report.contains("--set:1:") && report.contains("contact.0.friction") && line.is_none(),
         "{report}"
     );
+    assert!(refused("run.threads", "1000000").0.contains("`run.threads` is 1000000"));
+    assert_eq!(read("run.threads", "1024").run.threads, Some(1024));
     assert!(refused("contact.3.friction", "1").0.contains("`3` is no element"));
     assert!(refused("run.clf", "1").0.contains("did you mean `cfl`"));
     assert!(refused("title.x", "1").0.contains("cannot be set inside a string"));

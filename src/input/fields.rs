@@ -290,7 +290,11 @@ static RUN: &[Field] = &[
         no bit of the result.",
     ),
     Field::optional("patches", COUNTS, "Patches along each axis; absent: chosen from the number of threads."),
-    Field::optional("threads", count_from(1), "Threads; absent: all cores."),
+    Field::optional(
+        "threads",
+        Form::Threads,
+        "Threads, of each rank if there are several; absent: all cores. More threads than cores take turns.",
+    ),
 ];
 
 const fn fraction(open_below: bool) -> Form {
