@@ -1,4 +1,5 @@
 use super::Channel;
+use super::launch::Threading;
 
 /// Why ranks cannot go on together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -10,6 +11,18 @@ pub enum NetworkError {
     Lost {
         /// The rank.
         rank: usize,
+    },
+    /// An MPI library that does not know of threads.
+    #[error(
+        "{threads} threads a rank need {}, but this MPI library grants {granted}: run with --threads 1, or with an MPI \
+         library that was built for threads",
+        Threading::Funneled
+    )]
+    Threading {
+        /// What it grants.
+        granted: Threading,
+        /// Threads of this rank.
+        threads: usize,
     },
     /// Particles that left a rank and came nowhere.
     #[error(

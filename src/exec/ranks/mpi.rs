@@ -4,6 +4,7 @@
 //! module owns until they are done; that is what the unsafe code here is for, because the safe interface of the crate
 //! binds requests to a scope, and a step is no scope.
 #![allow(unsafe_code)]
+use super::launch::Threading;
 use super::{Channel, Network, NetworkError};
 use crate::simd::{LANES, Wide};
 use mpi::datatype::Equivalence;
@@ -27,6 +28,7 @@ pub struct Mpi {
     world: SimpleCommunicator,
     /// On this machine.
     neighbors: usize,
+    threading: Threading,
     sends: Vec<Pending>,
     receives: Vec<Posted>,
     memory: Vec<Vec<Wide>>,
@@ -54,11 +56,23 @@ struct Posted {
 impl Mpi {
     /// Starts MPI; `None` if it was started before in this process.
     pub fn start() -> Option<Self> {
-        let (universe, _) = mpi::initialize_with_threading(mpi::Threading::Funneled)?;
+        let (universe, granted) = mpi::initialize_with_threading(mpi::Threading::Funneled)?;
         let world = universe.world();
-        let neighbors = world.split_shared(world.rank()).size() as usize;
-        let (sends, receives, memory) = (Vec::new(), Vec::new(), Vec::new());
-        Some(Self { world, neighbors, sends, receives, memory, parted: false, _universe: universe })
+        Some(Self {
+            neighbors: world.split_shared(world.rank()).size() as usize,
+            threading: granted.into(),
+            world,
+            sends: Vec::new(),
+            receives: Vec::new(),
+            memory: Vec::new(),
+            parted: false,
+            _universe: universe,
+        })
+    }
+
+    /// What MPI grants to the threads of this process.
+    pub fn threading(&self) -> Threading {
+        self.threading
     }
 
     /// How many ranks share this machine, this one included.
@@ -131,6 +145,17 @@ impl Mpi {
             ffi::MPI_Mrecv(message.as_mut_ptr().cast(), numbers, number(), handle.as_mut_ptr(), status);
             message.set_len(lines);
             Some(message)
+        }
+    }
+}
+
+impl From<mpi::Threading> for Threading {
+    fn from(level: mpi::Threading) -> Self {
+        match level {
+            mpi::Threading::Single => Self::Single,
+            mpi::Threading::Funneled => Self::Funneled,
+            mpi::Threading::Serialized => Self::Serialized,
+            mpi::Threading::Multiple => Self::Multiple,
         }
     }
 }
