@@ -42,6 +42,31 @@ pub enum NetworkError {
         /// Who sent it.
         rank: usize,
     },
+    /// A message that MPI cannot count.
+    #[error(
+        "a message between this rank and rank {rank} about {channel:?} has {lines} lines of 64 bytes; MPI counts to {}. Cut \
+         the scene into more patches with --patches, or start more ranks",
+        i32::MAX
+    )]
+    TooLong {
+        /// The other rank.
+        rank: usize,
+        /// What it is about.
+        channel: Channel,
+        /// Its lines.
+        lines: usize,
+    },
+    /// A message that is no whole number of lines, or has more than MPI counts.
+    #[error(
+        "a message of rank {rank} about {channel:?} is no whole number of lines that MPI can count. This is an error in \
+         Sinew, please report it; or do all ranks run the same Sinew?"
+    )]
+    Torn {
+        /// Who sent it.
+        rank: usize,
+        /// What it is about.
+        channel: Channel,
+    },
     /// A message that does not hold what both sides know it must.
     #[error(
         "a message of rank {rank} about {channel:?} has {lines} lines instead of {expected}. This is an error in Sinew, please report it"
