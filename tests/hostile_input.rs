@@ -245,6 +245,20 @@ fn materials_and_contacts() {
 }
 
 #[test]
+fn materials_that_frames_cannot_tell_apart() {
+    let more = |count: usize| {
+        let material = |i: usize| format!("m{i} = {{ law = \"rigid\", density = 1, motion = \"free\" }}\n");
+        let more: String = (2..count).map(material).collect();
+        GOOD.replace("[material.soft]", &format!("[material]\n{more}[material.soft]"))
+    };
+    let many = read_text("many", &more(300), &[], None).expect("as many as fit");
+    assert_eq!(many.materials.len(), 300);
+    let (report, line) = refused(&more((1 << 16) + 1), &[]);
+    assert!(report.contains("65537 materials") && report.contains("at most 65536"), "{report}");
+    assert!(line.is_some(), "{report}");
+}
+
+#[test]
 fn laws_state_the_ranges_of_their_parameters() {
     let tissue =
         "law = \"tissue\"\nc1 = \"2.1 kPa\"\nc3 = \"0.14 kPa\"\nc4 = 22\nc5 = \"100 kPa\"\nlambda-star = 0.9";

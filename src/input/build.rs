@@ -11,6 +11,12 @@ use crate::physics::parameter::{Kind, Values};
 /// The scene of a completed document, without `name`, `lines` and `resolved`.
 pub(super) fn scene(root: &Node) -> Outcome<Scene> {
     let named = root.get("material").entries();
+    if let Some(entry) = named.get(MOST_MATERIALS) {
+        let message = format!("there are {} materials; at most {MOST_MATERIALS} are possible", named.len());
+        return Err(Fault::new(entry.place, message)
+            .label("one too many")
+            .help("let bodies share materials"));
+    }
     let is_name =
         |key: &str| key.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)) && !key.is_empty();
     if let Some(entry) = named.iter().find(|entry| !is_name(&entry.key)) {

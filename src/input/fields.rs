@@ -19,7 +19,7 @@ pub(super) static SCENE: &[Field] = &[
         "material",
         Form::Named(&MATERIAL),
         "What things are made of. Each material has a name of its \
-        choice and a velocity field of its own.",
+        choice and a velocity field of its own. There are at most 65536.",
     ),
     Field::required("body", Form::List(&Form::Table(BODY)), "Pieces of matter, filled with particles."),
     Field::with_default(
