@@ -221,6 +221,13 @@ fn memory() {
     let (message, line) = error(&GOOD.replace("10 mm\"\n[m", "1 um\"\n[m"), 1 << 34); // must not be walked
     assert!(message.contains("do not fit into memory"), "{message}");
     assert_eq!(line, Some(18));
+    // nothing in it but blocks
+    check(
+        "[\"80 mm\", \"40 mm\", \"40 mm\"]",
+        "[8000, 4000, 4000]",
+        "cell",
+        &["the domain does not fit into memory", "2.0e15 blocks of 4x4x4 cells", "1.1 GB", "larger cells"],
+    );
 }
 
 #[test]
