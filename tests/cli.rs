@@ -180,6 +180,7 @@ fn the_graph_prints_in_every_form_and_says_why() {
         &["--why", "Nonsense"][..],
         &["--why", "Stress:Weights:x"],
         &["--ranks", "0"],
+        &["--ranks", "18446744073709551615"],
         &["--ranks", "3", "--patches", "1x1x2"],
         &["--patch", "1"],
         &["--rank", "5", "--ranks", "2"],
@@ -216,8 +217,10 @@ fn a_bench_writes_json_that_it_compares_with() {
         (["--at", "soon"], "write a time"),
         (["--against", "no-such-file"], "sinew bench --json"),
         (["--steps", "0"], "at least one step"),
+        (["--steps", "18446744073709551615"], "18446744073709551615 steps were measured"),
     ] {
-        let output = sinew(&[&["bench", "problems/slab-quick", "-q"], &wrong[..]].concat());
+        let soon = ["--set", "run.until=2 us"];
+        let output = sinew(&[&["bench", "problems/slab-quick", "-q"], &soon[..], &wrong].concat());
         assert_eq!(output.status.code(), Some(2), "{wrong:?}");
         assert!(self::words(&output).contains(remedy), "{}", self::words(&output));
     }
