@@ -334,6 +334,8 @@ fn wounds() {
         )
     };
     check("\"1 ms\"", &output("0", "\"20 mm\""), "exit", &["along -y", "swap"]);
+    // a layer of the table for every two particles of these would be more than memory
+    check("\"1 ms\"", &output("0", "-1e300"), "exit", &["1.0e302 cells", "at most 1048576", "unit"]);
     let same = output("\"20 mm\"", "0").replace("\"hard\"", "\"soft\"");
     check("\"1 ms\"", &same, "projectile", &["the same material"]);
 }
