@@ -5,6 +5,7 @@ use assert_cmd::Command;
 use common::command::{sinew, words};
 use std::path::Path;
 use std::process::Output;
+use std::time::Duration;
 
 fn short_run(out: &Path, more: &[&str]) -> Output {
     let out = out.to_str().expect("a plain path");
@@ -88,6 +89,57 @@ fn more_patches_than_blocks_is_bad_usage() {
 }
 
 #[test]
+fn a_domain_of_more_blocks_than_memory_is_a_bad_scene() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let wide = ["--set", "domain.upper=[1000, 1000, 1000]", "--set", "domain.lower=[-1, -1, -1]"];
+    let output = short_run(folder.path(), &[&["-q"], &wide[..]].concat());
+    assert_eq!(output.status.code(), Some(2), "{}", words(&output));
+    assert!(words(&output).contains("the domain does not fit into memory"), "{}", words(&output));
+}
+
+#[test]
+fn more_threads_than_can_be_is_bad_usage_wherever_they_are_asked_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    assert!(short_run(folder.path(), &["-q", "--set", "output.checkpoint.steps=3"]).status.success());
+    let run = folder.path().to_str().expect("a plain path");
+    let shots: [&[&str]; 5] = [
+        &["run", "problems/two-spheres", "-q", "--force", "--out", run],
+        &["run", "--restart", run, "-q"],
+        &["check", "problems/two-spheres", "--validate-only"],
+        &["graph", "problems/two-spheres"],
+        &["bench", "problems/two-spheres", "-q"],
+    ];
+    for shot in shots {
+        for asked in [&["--threads", "1000000"][..], &["--set", "run.threads=1000000"]] {
+            if shot[0] == "bench" && asked[0] == "--threads" {
+                // the option is what counts, and what is checked
+                let both = [shot, asked, &["--set", "run.threads=2"]].concat();
+                refuses_a_million_threads(&both);
+            }
+            refuses_a_million_threads(&[shot, asked].concat());
+        }
+    }
+    // a run of a larger machine can still be looked at
+    let scene = folder.path().join("scene.toml");
+    let text = std::fs::read_to_string(&scene).expect("a scene");
+    std::fs::write(&scene, text.replace("[run]", "[run]\nthreads = 1000000")).expect("a file");
+    let output = sinew(&["picture", run]);
+    assert!(output.status.success(), "{}", words(&output));
+}
+
+#[track_caller]
+fn refuses_a_million_threads(arguments: &[&str]) {
+    let mut command = Command::cargo_bin("sinew").expect("the command is built");
+    let output = command.args(arguments).timeout(Duration::from_secs(60)).output().expect("an end");
+    let said = words(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+    let cores = format!("may use {} core", sinew::simulation::available_threads());
+    for fact in ["`run.threads` is 1000000", cores.as_str()] {
+        assert!(said.contains(fact), "{arguments:?}: {said}");
+    }
+}
+
+#[test]
 fn a_collapsed_step_ends_the_run_with_1_and_a_summary() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let output = short_run(folder.path(), &["-q", "--set", "run.smallest-step=1"]);
@@ -128,6 +180,7 @@ fn the_graph_prints_in_every_form_and_says_why() {
         &["--why", "Nonsense"][..],
         &["--why", "Stress:Weights:x"],
         &["--ranks", "0"],
+        &["--ranks", "18446744073709551615"],
         &["--ranks", "3", "--patches", "1x1x2"],
         &["--patch", "1"],
         &["--rank", "5", "--ranks", "2"],
@@ -164,8 +217,10 @@ fn a_bench_writes_json_that_it_compares_with() {
         (["--at", "soon"], "write a time"),
         (["--against", "no-such-file"], "sinew bench --json"),
         (["--steps", "0"], "at least one step"),
+        (["--steps", "18446744073709551615"], "18446744073709551615 steps were measured"),
     ] {
-        let output = sinew(&[&["bench", "problems/slab-quick", "-q"], &wrong[..]].concat());
+        let soon = ["--set", "run.until=2 us"];
+        let output = sinew(&[&["bench", "problems/slab-quick", "-q"], &soon[..], &wrong].concat());
         assert_eq!(output.status.code(), Some(2), "{wrong:?}");
         assert!(self::words(&output).contains(remedy), "{}", self::words(&output));
     }

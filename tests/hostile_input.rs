@@ -132,6 +132,12 @@ fn types_and_ranges() {
     check("lower = [0, 0, 0]", "lower = [0, 0]", "lower", &["array of 3 numbers", "array of 2"]);
     check("\"1 ms\"", "\"1 ms\"\ncfl = 1.5", "cfl", &["run.cfl", "1.5", "at most 1"]);
     check("\"1 ms\"", "\"1 ms\"\nthreads = 0", "threads", &["run.threads", "at least 1"]);
+    for many in ["1000000", "-3", "99999999999999999999"] {
+        let cores = format!("may use {} core", sinew::simulation::available_threads());
+        let number = if many.len() > 18 { "100000000000000000000" } else { many };
+        let facts = ["run.threads", number, &cores, "at most"];
+        check("\"1 ms\"", &format!("\"1 ms\"\nthreads = {many}"), "threads", &facts);
+    }
     check("\"1 ms\"", "\"1 ms\"\nsteps = 1.5", "steps", &["must be an integer, not a number"]);
     check("\"1 ms\"", "\"1 ms\"\nshape = \"gipm\"", "gipm", &["gipm", "did you mean `gimp`"]);
     check("\"fixed\"", "\"fixt\"", "fixt", &["boundary.x-min", "did you mean `fixed`"]);
@@ -215,6 +221,13 @@ fn memory() {
     let (message, line) = error(&GOOD.replace("10 mm\"\n[m", "1 um\"\n[m"), 1 << 34); // must not be walked
     assert!(message.contains("do not fit into memory"), "{message}");
     assert_eq!(line, Some(18));
+    // nothing in it but blocks
+    check(
+        "[\"80 mm\", \"40 mm\", \"40 mm\"]",
+        "[8000, 4000, 4000]",
+        "cell",
+        &["the domain does not fit into memory", "2.0e15 blocks of 4x4x4 cells", "1.1 GB", "larger cells"],
+    );
 }
 
 #[test]
@@ -236,6 +249,20 @@ fn materials_and_contacts() {
     check("\"free\"", "\"free\"\nvelocity = [1, 0, 0]", "[1, 0, 0]", &["no meaning for a free motion"]);
     check("\"free\"", "\"prescribed\"", "-1 m/s", &["is prescribed", "material.hard.velocity"]);
     check("friction = 0.1", "friction = -0.1", "-0.1", &["contact.0.friction", "at least 0"]);
+}
+
+#[test]
+fn materials_that_frames_cannot_tell_apart() {
+    let more = |count: usize| {
+        let material = |i: usize| format!("m{i} = {{ law = \"rigid\", density = 1, motion = \"free\" }}\n");
+        let more: String = (2..count).map(material).collect();
+        GOOD.replace("[material.soft]", &format!("[material]\n{more}[material.soft]"))
+    };
+    let many = read_text("many", &more(300), &[], None).expect("as many as fit");
+    assert_eq!(many.materials.len(), 300);
+    let (report, line) = refused(&more((1 << 16) + 1), &[]);
+    assert!(report.contains("65537 materials") && report.contains("at most 65536"), "{report}");
+    assert!(line.is_some(), "{report}");
 }
 
 #[test]
@@ -307,6 +334,8 @@ fn wounds() {
         )
     };
     check("\"1 ms\"", &output("0", "\"20 mm\""), "exit", &["along -y", "swap"]);
+    // a layer of the table for every two particles of these would be more than memory
+    check("\"1 ms\"", &output("0", "-1e300"), "exit", &["1.0e302 cells", "at most 1048576", "unit"]);
     let same = output("\"20 mm\"", "0").replace("\"hard\"", "\"soft\"");
     check("\"1 ms\"", &same, "projectile", &["the same material"]);
 }
@@ -328,6 +357,8 @@ fn overrides() {
         report.contains("--set:1:") && report.contains("contact.0.friction") && line.is_none(),
         "{report}"
     );
+    assert!(refused("run.threads", "1000000").0.contains("`run.threads` is 1000000"));
+    assert_eq!(read("run.threads", "1024").run.threads, Some(1024));
     assert!(refused("contact.3.friction", "1").0.contains("`3` is no element"));
     assert!(refused("run.clf", "1").0.contains("did you mean `cfl`"));
     assert!(refused("title.x", "1").0.contains("cannot be set inside a string"));

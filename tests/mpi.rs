@@ -11,11 +11,18 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// `mpirun -n RANKS sinew ARGUMENTS`, also as root and on fewer cores than ranks.
+/// `mpirun -n RANKS sinew ARGUMENTS`.
 fn mpirun(ranks: usize, arguments: &[&str]) -> Command {
+    let mut command = launcher(ranks);
+    command.arg(assert_cmd::cargo::cargo_bin!("sinew")).args(arguments);
+    command
+}
+
+/// `mpirun -n RANKS`, also as root and on fewer cores than ranks.
+fn launcher(ranks: usize) -> Command {
     let launcher = std::env::var("SINEW_TEST_MPIRUN").unwrap_or("mpirun".into());
     let mut command = Command::new(launcher);
-    command.args(["-n", &ranks.to_string()]).arg(assert_cmd::cargo::cargo_bin!("sinew")).args(arguments);
+    command.args(["-n", &ranks.to_string()]);
     command.current_dir(env!("CARGO_MANIFEST_DIR")).stdin(Stdio::null());
     command.envs([
         ("OMPI_ALLOW_RUN_AS_ROOT", "1"),
@@ -117,6 +124,36 @@ fn an_error_is_told_once_and_ends_all_ranks() {
     let output = ok(mpirun(2, &["run", "problems/slab-quick", "-q", "--out", "/proc/nowhere"]).output());
     assert_eq!(output.status.code(), Some(2), "{}", words(&output));
     assert_eq!(words(&output).matches("cannot write to").count(), 1, "{}", words(&output));
+}
+
+/// Stands before MPI and takes back what it grants to threads.
+const FORBIDS_THREADS: &str = "int PMPI_Init_thread(int *, char ***, int, int *);\n\
+    int MPI_Init_thread(int *n, char ***words, int wanted, int *granted) {\n\
+    int error = PMPI_Init_thread(n, words, wanted, granted); *granted = 0; return error; }\n";
+
+#[test]
+#[cfg(target_os = "linux")]
+fn an_mpi_that_knows_no_threads_gets_one_a_rank() {
+    let folder = ok(tempfile::tempdir());
+    let [source, library] = ["forbid.c", "forbid.so"].map(|name| folder.path().join(name));
+    ok(std::fs::write(&source, FORBIDS_THREADS));
+    let mut compiler = Command::new("cc");
+    compiler.args(["-shared", "-fPIC", "-o"]).args([&library, &source]);
+    assert!(ok(compiler.status()).success());
+    let preload = format!("LD_PRELOAD={}", text(&library));
+    let out = folder.path().join("run");
+    for (threads, status) in [("1", 0), ("2", 2)] {
+        let mut command = launcher(2);
+        command.args(["env", &preload]).arg(assert_cmd::cargo::cargo_bin!("sinew"));
+        command.args(["run", "problems/two-spheres", "-q", "--force", "--steps", "3", "--out", text(&out)]);
+        let output = ok(command.args(["--threads", threads]).output());
+        let said = words(&output);
+        assert_eq!(output.status.code(), Some(status), "{threads} threads: {said}");
+        assert_eq!(
+            said.matches("2 threads a rank need MPI_THREAD_FUNNELED").count(),
+            usize::from(status != 0)
+        );
+    }
 }
 
 /// A run of two ranks that writes a checkpoint every step, or that goes on.

@@ -71,7 +71,7 @@ fn scene() -> Scene {
 fn snapshot(shot: bool) -> Snapshot {
     let mut s = Snapshot { time: if shot { 0.42e-3 } else { 0.0 }, ..Snapshot::default() };
     let (mut failure, mut plastic, mut velocity) = (Vec::new(), Vec::new(), Vec::new());
-    let mut add = |material: u8, x: [f64; 3], f: f32, p: f32, v: f32| {
+    let mut add = |material: u16, x: [f64; 3], f: f32, p: f32, v: f32| {
         s.identities.push(s.identities.len() as u64);
         s.materials.push(material);
         s.positions.push(x.map(|x| x as f32));

@@ -1,5 +1,9 @@
 //! `particles.vtkhdf`: what is written is read back, by us and by VTK.
 #![allow(clippy::unwrap_used, missing_docs)]
+mod common;
+
+use common::command;
+use sinew::output::compare::frame_particles;
 use sinew::output::frame::Field;
 use sinew::output::snapshot::Snapshot;
 use sinew::output::vtkhdf::{Reader, Writer};
@@ -20,7 +24,7 @@ fn snapshot(k: u64, n: usize) -> Snapshot {
         time: 1e-3 * k as f64,
         step: 10 * k,
         identities: (0..n as u64).map(|i| (1 << 40) + 7 * i).collect(),
-        materials: (0..n).map(|i| (i % 2) as u8).collect(),
+        materials: (0..n).map(|i| [0, 255, 256, 300, u16::MAX][i % 5]).collect(),
         positions: (0..n).map(|i| [value(i, 0), value(i, 1), value(i, 2)]).collect(),
         columns: vec![
             (field("failure", "1", 1), column(1)),
@@ -114,6 +118,90 @@ fn a_restart_goes_on_after_the_frames_it_knows() {
     assert_eq!(reader.times(), [0.0, 1e-3, 8e-3]);
     assert_eq!(reader.frame(1).unwrap(), snapshot(1, 6));
     assert_eq!(reader.frame(2).unwrap(), snapshot(8, 4));
+    check_with_vtk(&path);
+}
+
+/// Gives a file the materials that an older Sinew wrote, in bytes.
+fn make_old(path: &Path, frames: &[Snapshot]) {
+    let file = hdf5::File::open_rw(path).unwrap();
+    let data = file.group("VTKHDF/PointData").unwrap();
+    let chunk = data.dataset("material").unwrap().chunk().unwrap()[0];
+    let mut materials = Vec::new();
+    for frame in frames {
+        // every frame begins with a chunk
+        materials.resize(materials.len().next_multiple_of(chunk), 0);
+        materials.extend(frame.materials.iter().map(|&m| u8::try_from(m).unwrap()));
+    }
+    data.unlink("material").unwrap();
+    let column = data.new_dataset::<u8>().chunk(chunk).shape(0..).create("material").unwrap();
+    column.resize(materials.len()).unwrap();
+    column.write(&materials).unwrap();
+}
+
+#[test]
+fn any_material_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    write(&path, &[9, 9]);
+    let frame = Reader::open(&path).unwrap().frame(1).unwrap();
+    assert_eq!(frame.materials[..5], [0, 255, 256, 300, 65_535]);
+    assert_eq!(frame_particles(frame).materials[3], 300);
+    check_with_vtk(&path);
+}
+
+#[test]
+fn wound_picture_and_compare_read_materials_in_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let [new, old] = ["new", "old"].map(|name| folder.path().join(name));
+    let said =
+        command::sinew(&["run", "problems/slab-quick", "--steps", "2", "-q", "--out", command::text(&new)]);
+    assert!(said.status.success(), "{}", command::words(&said));
+    std::fs::create_dir(&old).unwrap();
+    for file in ["scene.toml", "particles.vtkhdf"] {
+        std::fs::copy(new.join(file), old.join(file)).unwrap();
+    }
+    let path = old.join("particles.vtkhdf");
+    let reader = Reader::open(&path).unwrap();
+    let frames: Vec<_> = (0..reader.frames()).map(|k| reader.frame(k).unwrap()).collect();
+    drop(reader);
+    make_old(&path, &frames);
+    let [new, old] = [&new, &old].map(|folder| command::text(folder));
+    for (words, fact) in [
+        (&["compare", new, old][..], "bit for bit"),
+        (&["wound", old], "cavity"),
+        (&["picture", old], "section.png"),
+    ] {
+        let said = command::sinew(words);
+        let text = command::words(&said);
+        assert!(said.status.success() && text.contains(fact), "{words:?}: {text}");
+    }
+}
+
+#[test]
+fn files_with_materials_in_bytes_are_read_and_gone_on_with() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    let few = |k: u64, n: usize| {
+        let materials = (0..n).map(|i| [0, 1, 255][i % 3]).collect();
+        Snapshot { materials, ..snapshot(k, n) }
+    };
+    let frames = [few(0, 7), few(1, 5)];
+    let mut writer = Writer::create(&path).unwrap();
+    frames.iter().for_each(|frame| writer.append(frame).unwrap());
+    writer.close().unwrap();
+    make_old(&path, &frames);
+    check_with_vtk(&path);
+
+    let mut writer = Writer::resume(&path, 2).unwrap();
+    writer.append(&few(2, 6)).unwrap();
+    let refusal = writer.append(&snapshot(3, 6)).unwrap_err().to_string();
+    assert!(refusal.contains("0 to 255") && refusal.contains("particles.vtkhdf"), "{refusal}");
+    drop(writer);
+    let reader = Reader::open(&path).unwrap();
+    assert_eq!(reader.frames(), 3);
+    for (k, frame) in frames.iter().chain([&few(2, 6)]).enumerate() {
+        assert_eq!(&reader.frame(k).unwrap(), frame);
+    }
     check_with_vtk(&path);
 }
 

@@ -2,6 +2,7 @@
 mod common;
 
 use assert_cmd::Command;
+use common::command::words;
 use common::problem;
 use engine::schema::Label;
 use sinew::lab::plan;
@@ -317,9 +318,14 @@ fn bad_lists_and_networks_are_bad_usage() {
         (["--threads", "1,x"], "--threads"),
         (["--network", "speed=1"], "latency"),
         (["--steps", "0"], "--steps"),
+        (["--ticks", "0"], "at least 1"),
+        (["--ranks", "18446744073709551615"], "16777216"),
+        (["--rank-threads", "18446744073709551615"], "at most 16777216"),
+        (["--most-ranks", "5000000000"], "at most 16777216"),
     ] {
         let output = scale(folder.path(), &more);
         assert_eq!(output.status.code(), Some(2), "{more:?}");
-        assert!(String::from_utf8_lossy(&output.stderr).contains(part), "{more:?}");
+        let said = words(&output);
+        assert!(said.contains(part), "{more:?}: {said}");
     }
 }

@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let exact = |x: f64, t: f64| 300.0 + 100.0 * (wave * x).cos() * f64::exp(-45.0 / 3.9e6 * wave * wave * t);
     let (program, place) = (heat.program(&level, 4)?, ([4, 1, 1], network.rank(), network.size()));
     let mut warehouse = Heat::start(&program, (level, 2), place, |x| exact(x[0], 0.0))?;
-    let mut engine = Engine::new(Threads::new(threads(None, here).0)?, Isa::from_environment()?, &warehouse);
+    let mut engine = Engine::new(Threads::new(threads(None, here.ranks).0)?, Isa::detect(), &warehouse);
     for _ in 0..60 {
         engine.execute(&program, &mut warehouse, &mut *network, &mut Undirected)?;
     }

@@ -23,11 +23,17 @@ pub struct Decomposition {
     cuts: [Vec<i32>; 3],
 }
 
+/// The most patches: each takes some hundred bytes on every rank, and patches are numbered by 32 bits.
+pub const MOST_PATCHES: usize = 1 << 24;
+/// The most blocks of a patch: their places in it are numbered by 32 bits, with one number for "nowhere".
+pub const MOST_BLOCKS: usize = u32::MAX as usize - 1;
+
 impl Decomposition {
     /// Cuts `level` into `counts` patches along each axis, as evenly as whole blocks allow.
     ///
     /// # Errors
-    /// More patches than blocks along an axis, or none; the message says how many are possible.
+    /// More patches than blocks along an axis, or none; more patches, or larger ones, than can be numbered. The message says
+    /// how many are possible.
     pub fn new(level: &Level, counts: [usize; 3]) -> Result<Self, String> {
         let columns = level.block_columns();
         for axis in 0..3 {
@@ -41,12 +47,26 @@ impl Decomposition {
                 ));
             }
         }
+        if counts.iter().map(|&n| n as f64).product::<f64>() > MOST_PATCHES as f64 {
+            let [x, y, z] = counts;
+            return Err(format!(
+                "{x}x{y}x{z} patches are too many: choose at most {MOST_PATCHES} of them, with --patches or run.patches"
+            ));
+        }
         let all = level.blocks();
         let cuts: [Vec<i32>; 3] = std::array::from_fn(|a| {
             let mut cuts: Vec<i32> = (0..=counts[a]).map(|i| (i * columns[a] / counts[a]) as i32).collect();
             (cuts[0], cuts[counts[a]]) = (all.lower[a], all.upper[a]);
             cuts
         });
+        let longest = |cuts: &Vec<i32>| cuts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(0);
+        let largest = cuts.iter().map(|cuts| f64::from(longest(cuts))).product::<f64>();
+        if largest > MOST_BLOCKS as f64 {
+            return Err(format!(
+                "a patch has {largest:.3e} blocks of 4x4x4 cells, but at most {MOST_BLOCKS} are possible: choose more patches \
+                 with --patches or run.patches, or larger cells"
+            ));
+        }
         let [nx, ny, nz] = counts;
         let indices = (0..nx * ny * nz).map(|id| [id / (ny * nz), id / nz % ny, id % nz]);
         let patches = indices.enumerate().map(|(id, index)| {
@@ -97,5 +117,29 @@ impl Decomposition {
             self.owner(block).into_iter().for_each(|patch| loads[patch] += load);
         }
         loads
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_than_can_be_numbered_is_refused() {
+        let level = Level { lower: [0.0; 3], cell: 1.0, cells: [1 << 20; 3] };
+        let refused = |counts| Decomposition::new(&level, counts).expect_err("too many");
+        let error = refused([1; 3]);
+        for fact in ["1.801e16 blocks", "4294967294", "--patches"] {
+            assert!(error.contains(fact), "{error}");
+        }
+        let error = refused([1 << 18, 1 << 18, 1 << 18]);
+        assert!(error.contains("262144x262144x262144 patches") && error.contains("16777216"), "{error}");
+        // so many, but not more
+        let thin = Level { cells: [1 << 20, 1 << 20, 4], ..level };
+        assert!(
+            Decomposition::new(&thin, [1 << 12, 1 << 13, 1]).expect_err("2^25 of them").contains("16777216")
+        );
+        let fits = Decomposition::new(&thin, [64, 64, 1]).expect("they can be numbered");
+        assert!(fits.patches.iter().all(|patch| patch.blocks.len() <= MOST_BLOCKS));
     }
 }

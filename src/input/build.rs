@@ -8,9 +8,18 @@ use physics::parameter::{Kind, Values};
 use scene::geometry::dot;
 use scene::*;
 
+/// The most cells along an axis; more is a wrong unit.
+const MOST_CELLS: f64 = (1 << 20) as f64;
+
 /// The scene of a completed document, without `name`, `lines` and `resolved`.
 pub(super) fn scene(root: &Node) -> Outcome<Scene> {
     let named = root.get("material").entries();
+    if let Some(entry) = named.get(MOST_MATERIALS) {
+        let message = format!("there are {} materials; at most {MOST_MATERIALS} are possible", named.len());
+        return Err(Fault::new(entry.place, message)
+            .label("one too many")
+            .help("let bodies share materials"));
+    }
     let is_name =
         |key: &str| key.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)) && !key.is_empty();
     if let Some(entry) = named.iter().find(|entry| !is_name(&entry.key)) {
@@ -19,10 +28,11 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
     }
     let materials = named.iter().map(|e| material(&e.key, &e.node)).collect::<Outcome<Vec<_>>>()?;
     let load = root.get("load");
+    let domain = domain(root.get("domain"))?;
     Ok(Scene {
         name: String::new(),
         title: root.get("title").word().to_owned(),
-        domain: domain(root.get("domain"))?,
+        domain,
         bodies: collect(root.get("body"), |node| body(node, &materials))?,
         contacts: contacts(root.get("contact"), &materials)?,
         faces: FACES.map(|face| face_condition(root.get("boundary").get(face))),
@@ -30,7 +40,7 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
         gravity: load.get("gravity").vector(),
         damping: load.get("damping").number(),
         run: run(root.get("run")),
-        output: output(root.get("output"), &materials)?,
+        output: output(root.get("output"), &materials, domain.cell)?,
         lines: Default::default(),
         resolved: String::new(),
         materials,
@@ -42,7 +52,6 @@ fn collect<T>(list: &Node, each: impl FnMut(&Node) -> Outcome<T>) -> Outcome<Vec
 }
 
 fn domain(given: &Node) -> Outcome<Domain> {
-    const MOST_CELLS: f64 = (1 << 20) as f64; // along an axis; more is a wrong unit
     let (lower, upper): ([f64; 3], [f64; 3]) = (given.get("lower").vector(), given.get("upper").vector());
     let cell = given.get("cell").number();
     let mut cells = [0; 3];
@@ -267,12 +276,12 @@ fn run(given: &Node) -> Run {
     }
 }
 
-fn output(given: &Node, materials: &[Material]) -> Outcome<Output> {
+fn output(given: &Node, materials: &[Material], cell: f64) -> Outcome<Output> {
     Ok(Output {
         frames: given.get("frames").count(),
         history_every: given.get("history-every").count(),
         checkpoint: checkpoint(given.get("checkpoint")),
-        wound: given.find("wound").map(|given| wound(given, materials)).transpose()?,
+        wound: given.find("wound").map(|given| wound(given, materials, cell)).transpose()?,
     })
 }
 
@@ -285,7 +294,7 @@ fn checkpoint(given: &Node) -> Checkpoint {
     }
 }
 
-fn wound(given: &Node, materials: &[Material]) -> Outcome<Wound> {
+fn wound(given: &Node, materials: &[Material], cell: f64) -> Outcome<Wound> {
     let axis = given.get("axis").word();
     let direction = if axis.starts_with('-') { -1.0 } else { 1.0 };
     let surfaces = ["entry", "exit"].map(|key| given.get(key).number());
@@ -296,6 +305,15 @@ fn wound(given: &Node, materials: &[Material]) -> Outcome<Wound> {
         return Err(
             Fault::new(given.get("exit").place, message).help("swap `entry` and `exit`, or turn `axis`")
         );
+    }
+    // it is measured layer by layer
+    let thickness = (surfaces[1] - surfaces[0]).abs() / cell;
+    if thickness > MOST_CELLS {
+        let message = format!(
+            "from `entry` to `exit` there are {thickness:.1e} cells; at most {MOST_CELLS} are possible"
+        );
+        let help = "is a unit missing? A bare number is in meters";
+        return Err(Fault::new(given.get("exit").place, message).help(help));
     }
     let [target, projectile] = ["target", "projectile"].map(|key| material_index(given.get(key), materials));
     let (target, projectile) = (target?, projectile?);

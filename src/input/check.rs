@@ -2,9 +2,11 @@
 //! left that is not described. What comes out is read without further questions about its form.
 use super::document::{Data, Entry, Node, Place, dotted};
 use super::error::{Fault, Outcome, listing, suggestion};
-use super::form::{Absent, Counts, Field, Form, Range};
+use super::form::{Absent, Counts, Field, Form, Range, most_threads};
 use super::units;
 use physics::parameter::Dimension;
+use std::fmt::Display;
+use std::num::NonZero;
 
 /// The document as `form` wants it.
 pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
@@ -17,6 +19,11 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
         }
         (Form::Counts(range), Data::List(items)) if items.len() == 3 => {
             list(items, &Form::Count(*range), path)?
+        }
+        (Form::Threads, Data::Integer(n)) => Data::Integer(threads(*n, node.place, path)?),
+        // integers that are too long come as numbers
+        (Form::Threads, Data::Number(n)) if *n >= i64::MAX as f64 => {
+            return Err(wrong_threads(n, cores(), node.place, path));
         }
         (Form::Choice(words), Data::Text(text)) => Data::Text(choice(text, words, node.place, path)?),
         (Form::Flag, Data::Flag(flag)) => Data::Flag(*flag),
@@ -117,6 +124,26 @@ fn count(n: i64, range: Counts, place: Place, path: &str) -> Outcome<i64> {
         return Ok(n);
     }
     Err(Fault::new(place, format!("`{path}` is {n}, but must be {}", range.words())).label("out of range"))
+}
+
+/// Cores that this process may use.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZero::get)
+}
+
+fn threads(n: i64, place: Place, path: &str) -> Outcome<i64> {
+    let cores = cores();
+    if (1..=most_threads(cores)).contains(&n) { Ok(n) } else { Err(wrong_threads(n, cores, place, path)) }
+}
+
+fn wrong_threads(n: impl Display, cores: usize, place: Place, path: &str) -> Fault {
+    let (most, s) = (most_threads(cores), if cores == 1 { "" } else { "s" });
+    let message = format!(
+        "`{path}` is {n}, but must be at least 1 and at most {most}: this process may use {cores} core{s}"
+    );
+    Fault::new(place, message)
+        .label("out of range")
+        .help(format!("more threads than cores only take turns; without `{path}` every core gets one"))
 }
 
 fn choice(text: &str, words: &[&str], place: Place, path: &str) -> Outcome<String> {

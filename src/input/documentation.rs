@@ -1,6 +1,6 @@
 //! `docs/SCENE.md`, written from the same descriptions that scenes are checked by.
 use super::fields::SCENE;
-use super::form::{Absent, Field, Form};
+use super::form::{Absent, Field, Form, THREADS, THREADS_A_CORE};
 use super::shapes::SHAPE;
 use super::units;
 use physics::parameter::Dimension;
@@ -146,6 +146,9 @@ fn accepts(form: &Form) -> String {
         }
         Form::Count(counts) => format!("an integer, {}", counts.words()),
         Form::Counts(counts) => format!("an integer or three, each {}", counts.words()),
+        Form::Threads => format!(
+            "an integer, 1 to {THREADS}, or to {THREADS_A_CORE} for each core that the process may use, whichever is more"
+        ),
         Form::Choice(words) => quoted(words).join(", "),
         Form::Vector(dimension, length) => with_unit(&format!("{length} numbers"), *dimension),
         Form::Motion => "a motion [m/s]".into(),

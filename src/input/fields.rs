@@ -19,7 +19,7 @@ pub(super) static SCENE: &[Field] = &[
         "material",
         Form::Named(&MATERIAL),
         "What things are made of. Each material has a name of its \
-        choice and a velocity field of its own.",
+        choice and a velocity field of its own. There are at most 65536.",
     ),
     Field::required("body", Form::List(&Form::Table(BODY)), "Pieces of matter, filled with particles."),
     Field::with_default(
@@ -290,7 +290,11 @@ static RUN: &[Field] = &[
         no bit of the result.",
     ),
     Field::optional("patches", COUNTS, "Patches along each axis; absent: chosen from the number of threads."),
-    Field::optional("threads", count_from(1), "Threads; absent: all cores."),
+    Field::optional(
+        "threads",
+        Form::Threads,
+        "Threads, of each rank if there are several; absent: all cores. More threads than cores take turns.",
+    ),
 ];
 
 const fn fraction(open_below: bool) -> Form {

@@ -40,6 +40,8 @@ pub(super) enum Form {
     Count(Counts),
     /// One count for all axes, or one for each.
     Counts(Counts),
+    /// Threads of a process: see [`most_threads`].
+    Threads,
     Choice(&'static [&'static str]),
     Flag,
     Text,
@@ -143,6 +145,17 @@ pub(super) const fn count_from(least: i64) -> Form {
     Form::Count(Counts { least, most: i64::MAX })
 }
 
+/// So many threads a process may have on any machine; they start in a second.
+pub(super) const THREADS: i64 = 1024;
+/// On large machines it may have so many for each core.
+pub(super) const THREADS_A_CORE: i64 = 4;
+
+/// The most threads of a process that may use so many cores.
+pub(super) fn most_threads(cores: usize) -> i64 {
+    let of_cores = i64::try_from(cores).unwrap_or(i64::MAX).saturating_mul(THREADS_A_CORE);
+    of_cores.max(THREADS)
+}
+
 impl Range {
     pub fn contains(&self, x: f64) -> bool {
         (if self.open_below { x > self.least } else { x >= self.least }) && x <= self.most
@@ -186,7 +199,7 @@ impl Form {
     pub fn name(&self) -> String {
         match self {
             Form::Number(range) => super::units::name(range.dimension).to_owned(),
-            Form::Count(_) => "an integer".into(),
+            Form::Count(_) | Form::Threads => "an integer".into(),
             Form::Counts(_) => "an integer or an array of three".into(),
             Form::Choice(_) | Form::Text => "a string".into(),
             Form::Flag => "true or false".into(),

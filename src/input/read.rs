@@ -58,7 +58,7 @@ pub fn read_text(
         }
         let root = check::complete(&root, &Form::Table(SCENE), "")?;
         let mut scene = build::scene(&root)?;
-        validate::bodies(&scene, &root, memory)?;
+        validate::scene(&scene, &root, memory)?;
         scene.name = file.to_owned();
         scene.lines = root.lines(&sources[0]);
         scene.resolved = resolved(&root);

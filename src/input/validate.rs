@@ -1,6 +1,7 @@
 //! What a scene must fulfil as a whole: its matter lies in the domain, apart, and in memory.
 use super::document::Node;
 use super::error::{Fault, Outcome, Point};
+use grid::Level;
 use scene::geometry::overlap;
 use scene::sampling::{cells, inside, points, sample};
 use scene::{Behavior, Body, Domain, RigidMotion, Scene};
@@ -9,9 +10,36 @@ use std::ops::Range;
 /// Bytes that a particle takes in a run, with its share of the nodes: an estimate for the check of memory.
 pub const BYTES_PER_PARTICLE: usize = 700;
 
-/// Checks bodies one by one and against each other. `root` is the document, for places; `available`: bytes of memory,
-/// if known.
-pub(super) fn bodies(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
+/// Bytes that a block of 4x4x4 cells takes in lists of blocks, whether there are particles or not, and in those of each
+/// material: an estimate for the check of memory.
+const BYTES_PER_BLOCK: [f64; 2] = [16.0, 12.0];
+
+/// Checks what holds for the scene as a whole. `root` is the document, for places; `available`: bytes of memory, if known.
+pub(super) fn scene(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
+    bodies(scene, root, available)?;
+    blocks(scene, root, available.map_or(f64::INFINITY, |bytes| bytes as f64))
+}
+
+/// The domain is not so much larger than what is in it that lists of its blocks fill the memory.
+fn blocks(scene: &Scene, root: &Node, available: f64) -> Outcome<()> {
+    let [all, each] = BYTES_PER_BLOCK;
+    let Domain { lower, cells, cell } = scene.domain;
+    let blocks = Level { lower, cell, cells }.blocks().len() as f64;
+    let bytes = blocks * (all + each * scene.materials.len() as f64);
+    if bytes <= available {
+        return Ok(());
+    }
+    let message = format!(
+        "the domain does not fit into memory: lists of its {blocks:.1e} blocks of 4x4x4 cells take {:.1} GB, there are {:.1} GB",
+        bytes / 1e9,
+        available / 1e9
+    );
+    let help = "use larger cells, or a domain that reaches not so far beyond the bodies";
+    Err(Fault::new(root.get("domain").get("cell").place, message).help(help))
+}
+
+/// Checks bodies one by one and against each other.
+fn bodies(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
     let given = root.get("body");
     if scene.bodies.is_empty() {
         return Err(Fault::new(given.place, "the scene has no bodies").help("add a [[body]]"));

@@ -30,7 +30,7 @@ pub struct Piece {
     /// Identity of each particle: constant over the run, unique over all materials.
     pub identities: Vec<u64>,
     /// Index of each particle's material.
-    pub materials: Vec<u8>,
+    pub materials: Vec<u16>,
     /// Positions [m].
     pub positions: Vec<[f32; 3]>,
     /// The values of each field of the head, particle by particle, component fastest.
@@ -48,7 +48,7 @@ pub trait Frame {
     /// Identity of each particle: constant over the run, unique over all materials.
     fn identities(&self) -> Vec<u64>;
     /// Index of each particle's material.
-    fn materials(&self) -> Vec<u8>;
+    fn materials(&self) -> Vec<u16>;
     /// Positions [m].
     fn positions(&self) -> Vec<[f32; 3]>;
     /// The fields that can be asked for; a particle whose material lacks a field has NaN there.

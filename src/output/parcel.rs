@@ -72,7 +72,7 @@ mod tests {
     fn piece(rank: u64, rows: u64) -> Piece {
         Piece {
             identities: (0..rows).map(|i| 100 * rank + i).collect(),
-            materials: vec![rank as u8; rows as usize],
+            materials: vec![300 + rank as u16; rows as usize],
             positions: (0..rows).map(|i| [i as f32, rank as f32, 0.5]).collect(),
             columns: vec![vec![1.0; 3 * rows as usize], vec![f32::NAN; rows as usize]],
         }

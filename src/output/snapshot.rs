@@ -11,7 +11,7 @@ pub struct Snapshot {
     /// Identity of each particle.
     pub identities: Vec<u64>,
     /// Index of each particle's material.
-    pub materials: Vec<u8>,
+    pub materials: Vec<u16>,
     /// Positions [m].
     pub positions: Vec<[f32; 3]>,
     /// Fields and their values, particle by particle, component fastest.
@@ -35,7 +35,7 @@ impl Frame for Snapshot {
         self.identities.clone()
     }
 
-    fn materials(&self) -> Vec<u8> {
+    fn materials(&self) -> Vec<u16> {
         self.materials.clone()
     }
 

@@ -9,6 +9,9 @@ use physics::materials::AnyLaw;
 pub use physics::viscosity::Viscosity;
 use std::collections::BTreeMap;
 
+/// The most materials of a scene: frames name each by 16 bits.
+pub const MOST_MATERIALS: usize = 1 << 16;
+
 /// What to simulate.
 #[derive(Clone, Debug)]
 pub struct Scene {

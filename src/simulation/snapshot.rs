@@ -92,7 +92,8 @@ impl<'a> Snapshot<'a> {
         let layout = &self.warehouse.materials[material].layout;
         let get = |label, component| numbers(layout, block, label, component, rows.clone());
         piece.identities.extend(get(labels::Identity::ID, 0).map(f64::to_bits));
-        piece.materials.resize(piece.materials.len() + rows.len(), material as u8);
+        // a scene has no more materials than fit
+        piece.materials.resize(piece.materials.len() + rows.len(), material as u16);
         let [x, y, z] = [0, 1, 2].map(|a| get(labels::Position::ID, a));
         piece.positions.extend(x.zip(y).zip(z).map(|((x, y), z)| [x, y, z].map(|x| x as f32)));
         for (i, (column, source)) in piece.columns.iter_mut().zip(&self.sources[material]).enumerate() {

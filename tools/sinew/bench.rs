@@ -94,7 +94,8 @@ impl From<BenchError> for Failure {
 
 fn scene(args: &Args) -> Result<Scene, Failure> {
     let threads = args.threads.map(|n| ("run.threads".to_owned(), n.to_string()));
-    let set: Vec<_> = threads.into_iter().chain(overrides(&args.set)?).collect();
+    // last, as in a run: what is measured is what was checked
+    let set: Vec<_> = overrides(&args.set)?.into_iter().chain(threads).collect();
     let mut scene = match &args.scene {
         Some(path) => input::read(path, &set)?,
         None => {

@@ -68,7 +68,7 @@ const PATCHES: usize = 8;
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = args.scene.read()?;
-    let wanted = if args.ranks > 1 { PATCHES * args.ranks } else { 1 };
+    let wanted = if args.ranks > 1 { args.ranks.saturating_mul(PATCHES) } else { 1 };
     let plan = plan::plan(&scene, wanted, args.ranks).map_err(Failure::usage)?;
     let patches = plan.decomposition.patches.len();
     let mut graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;

@@ -3,6 +3,7 @@ use super::args::RunArgs;
 use super::fail::Failure;
 use super::ranks;
 use engine::exec::ranks::Network;
+use engine::exec::ranks::launch::Site;
 use scene::Scene;
 use simd::Isa;
 use sinew::input::identity::first_difference;
@@ -17,7 +18,7 @@ pub fn resume(
     folder: &Path,
     isa: Isa,
     mut network: Box<dyn Network>,
-    here: usize,
+    site: Site,
 ) -> Result<(PathBuf, Simulation, Recorder), Failure> {
     let first = network.rank() == 0;
     let warn =
@@ -28,7 +29,7 @@ pub fn resume(
     let scene = scene(args, folder, &checkpoint)
         .and_then(|scene| same(&checkpoint, &scene, isa, args.force).map(|()| scene));
     let mut scene = ranks::agree(&mut *network, scene)?;
-    ranks::share_cores(&mut scene, here, &*network);
+    ranks::share_cores(&mut scene, site, &mut *network)?;
     let mut simulation = Simulation::restore(network, scene, isa, &checkpoint)?;
     let recorder = Recorder::resume(folder, &mut simulation, &checkpoint.head, &found.damaged);
     let (recorder, warnings) = recorder.map_err(Failure::usage)?;

@@ -5,6 +5,7 @@ use super::progress::Progress;
 use super::signals::Signals;
 use super::{picture, ranks, restart, wound};
 use engine::exec::ranks::Network;
+use engine::exec::ranks::launch::Site;
 use engine::exec::trace;
 use scene::Scene;
 use simd::Isa;
@@ -16,11 +17,11 @@ use std::path::{Path, PathBuf};
 /// Runs the subcommand.
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let isa = Isa::from_environment().map_err(Failure::usage)?;
-    let (network, here) = ranks::connect()?;
+    let (network, site) = ranks::connect()?;
     let first = network.rank() == 0;
     let (folder, mut simulation, mut recorder) = match &args.restart {
-        Some(folder) => restart::resume(args, folder, isa, network, here)?,
-        None => begin(args, isa, network, here)?,
+        Some(folder) => restart::resume(args, folder, isa, network, site)?,
+        None => begin(args, isa, network, site)?,
     };
     let signals =
         Signals::watch().map_err(|error| Failure::Local(format!("cannot watch signals: {error}")))?;
@@ -79,12 +80,12 @@ fn begin(
     args: &RunArgs,
     isa: Isa,
     mut network: Box<dyn Network>,
-    here: usize,
+    site: Site,
 ) -> Result<(PathBuf, Simulation, Recorder), Failure> {
     let path = args.scene.as_deref().unwrap_or(Path::new("."));
     let scene = args.changes.overrides().and_then(|overrides| Ok(sinew::input::read(path, &overrides)?));
     let mut scene = ranks::agree(&mut *network, scene)?;
-    ranks::share_cores(&mut scene, here, &*network);
+    ranks::share_cores(&mut scene, site, &mut *network)?;
     let folder = ranks::from_first(&mut *network, || {
         let folder = args.out.clone().unwrap_or_else(|| default_folder(&scene.name, args.force));
         claim(&folder, args.force)?;

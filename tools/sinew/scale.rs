@@ -4,7 +4,7 @@ use super::fail::Failure;
 use engine::exec::ranks::launch::cores;
 use scene::{Rates, Scene};
 use sinew::lab::scale::field::Field;
-use sinew::lab::scale::list::{self, Patches};
+use sinew::lab::scale::list::{self, MOST, Patches};
 use sinew::lab::scale::measure::{self, Plan};
 use sinew::lab::scale::model::{Cluster, Costs, KEYS};
 use sinew::lab::scale::ping::Ping;
@@ -101,12 +101,12 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = read(args, &[])?;
     let cluster = cluster(args)?;
-    if [args.steps, args.repeat as u64, args.rank_threads as u64, args.most_ranks as u64, args.ticks as u64]
-        .contains(&0)
-    {
-        return Err(Failure::usage(
-            "--steps, --repeat, --rank-threads, --most-ranks and --ticks are at least 1",
-        ));
+    let sizes = [args.repeat, args.rank_threads, args.most_ranks, args.ticks].map(|n| n as u64);
+    let mut counts = [args.steps, args.warm_up.max(1)].into_iter().chain(sizes);
+    if !counts.all(|n| (1..=MOST as u64).contains(&n)) {
+        return Err(Failure::usage(format!(
+            "--steps, --repeat, --rank-threads, --most-ranks and --ticks are at least 1; they and --warm-up are at most {MOST}"
+        )));
     }
     let folder = args.out.clone().unwrap_or_else(|| Path::new("scaling").join(&scene.name));
     let plan = plan(args, &folder)?;

@@ -68,7 +68,9 @@ pub fn load(folder: &Path, frame: Option<usize>) -> Result<Shown, Failure> {
             folder.display()
         )));
     }
-    let scene = sinew::input::read(&folder.join("scene.toml"), &[])?;
+    // whoever looks at a run needs no threads of its machine
+    let threads = ("run.threads".to_owned(), String::new());
+    let scene = sinew::input::read(&folder.join("scene.toml"), &[threads])?;
     let reader = Reader::open(&file)?;
     let last = reader.frames().saturating_sub(1);
     let chosen = frame.unwrap_or(last);

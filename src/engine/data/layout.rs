@@ -12,6 +12,8 @@ pub struct ParticleLayout {
     /// Lines a tile of all labels.
     pub total: usize,
     labels: Vec<LabelId>,
+    /// The label that says where a particle is.
+    pub(super) position: LabelId,
     /// What labels whose tiles the material decides hold where there is no particle.
     of_material: BTreeMap<LabelId, Vec<f64>>,
 }
@@ -37,7 +39,7 @@ impl ParticleLayout {
             total += width;
         }
         let labels = schema.labels().filter(|label| widths[label.index()] > 0).collect();
-        Self { widths, starts, total, labels, of_material }
+        Self { widths, starts, total, labels, position: schema.roles.position, of_material }
     }
 
     /// The labels in the layout, in the order of the schema.

@@ -101,14 +101,23 @@ impl ParticleBlock {
         self.column(layout, label)[tile * layout.width(label) + component].0[lane]
     }
 
-    /// Nobody knows any more where the particles of the block are.
-    pub fn forget_extent(&mut self) {
-        self.extent = extent::ANYWHERE;
-        self.leaving = true;
+    /// Writes one number of one particle. If it moves, nobody knows any more where the particles of the block are.
+    pub fn set(
+        &mut self,
+        layout: &ParticleLayout,
+        label: LabelId,
+        particle: usize,
+        component: usize,
+        value: f64,
+    ) {
+        if label == layout.position {
+            self.extent = extent::ANYWHERE;
+            self.leaving = true;
+        }
+        self.put(layout, label, particle, component, value);
     }
 
-    /// Writes one number of one particle. Who moves particles calls [`ParticleBlock::forget_extent`] too.
-    pub fn set(
+    fn put(
         &mut self,
         layout: &ParticleLayout,
         label: LabelId,
@@ -147,7 +156,7 @@ impl ParticleBlock {
         let mut numbers = record.iter();
         for label in layout.labels() {
             for (component, &value) in (0..layout.width(label)).zip(&mut numbers) {
-                self.set(layout, label, particle, component, value);
+                self.put(layout, label, particle, component, value);
             }
         }
     }
@@ -225,7 +234,7 @@ impl ParticleBlock {
     fn make_inert(&mut self, layout: &ParticleLayout, rest: [f64; 3], particle: usize) {
         for label in layout.labels() {
             for component in 0..layout.width(label) {
-                self.set(layout, label, particle, component, layout.inert(label, component, rest));
+                self.put(layout, label, particle, component, layout.inert(label, component, rest));
             }
         }
     }

@@ -300,19 +300,20 @@ macro_rules! task {
 /// [`task!`](crate::task!)), and its body as a function of the task, the place and the views.
 ///
 /// ```
-/// use engine::prelude::*;
-/// labels! {
-///     Charge: Wide = particle("C", "q_p");
-///     Total: ExactSum = run("C", "sum q_p").exact();
-/// }
-/// kernel! { /// Q = Σ q_p
-///     Add() in add: Particles { requires old { charge: Charge } computes { total: Total } }
-///     |_it, at, io| for p in 0..at.count {
-///         io.total[0].add(io.charge[p / 8].0[p % 8]);
+/// mod charges {
+///     use engine::prelude::*;
+///     labels! {
+///         Charge: Wide = particle("C", "q_p");
+///         Total: ExactSum = run("C", "sum q_p").exact();
+///     }
+///     kernel! { /// Q = Σ q_p
+///         Add() in add: Particles { requires old { charge: Charge } computes { total: Total } }
+///         |_it, at, io| for p in 0..at.count {
+///             io.total[0].add(io.charge[p / 8].0[p % 8]);
+///         }
 ///     }
 /// }
-/// let mut recipe = Vec::new();
-/// recipe.push(add::Add());
+/// # fn main() {}
 /// ```
 #[macro_export]
 macro_rules! kernel {

@@ -56,7 +56,8 @@ pub fn bench(
         return Err(BenchError::Nothing);
     }
     let (isa, state) = (simulation.isa(), state(simulation)?);
-    let needed = 1 + 4 * plan.repeat * (1 + plan.steps);
+    // a bench that would take more steps than there are numbers ends with the run
+    let needed = plan.steps.saturating_add(1).saturating_mul(plan.repeat).saturating_mul(4).saturating_add(1);
     let mut bench = Bench { simulation, plan, isa, needed };
     progress("ceilings");
     let ceilings = [1, plan.threads].map(|threads| Ceiling::measure(threads, isa));

@@ -1,6 +1,10 @@
 //! Lists on a command line: what to measure.
 use std::str::FromStr;
 
+/// The most of anything that is counted on a command line: eight times the product of two of them is a number, and ranks
+/// are numbered by 32 bits.
+pub const MOST: usize = 1 << 24;
+
 /// How many patches: a number to be cut automatically, or a number along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Patches {
@@ -26,6 +30,7 @@ impl FromStr for Patches {
 fn positive(text: &str) -> Result<usize, String> {
     match text.trim().parse() {
         Ok(0) => Err("0 is too few: counts begin with 1".to_owned()),
+        Ok(number) if number > MOST => Err(format!("{number} is too many: counts end with {MOST}")),
         Ok(number) => Ok(number),
         Err(_) => {
             Err(format!("{:?} is no count: write whole numbers from 1, separated by commas", text.trim()))
@@ -74,6 +79,12 @@ mod tests {
         {
             let error = counts(text).expect_err(text);
             assert!(error.contains(part), "{text}: {error}");
+        }
+        assert_eq!(counts("16777216"), Ok(vec![1 << 24]));
+        for text in ["16777217", "18446744073709551615"] {
+            let error = counts(text).expect_err(text);
+            assert!(error.contains(text) && error.contains("16777216"), "{error}");
+            assert!(patches(text).is_err() && patches(&format!("1x{text}x1")).is_err());
         }
         assert!(patches("2x2").expect_err("two").contains("AxBxC"));
         assert!(patches("0x1x1").is_err() && patches("1x1x1x1").is_err());

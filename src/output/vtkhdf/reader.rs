@@ -95,6 +95,7 @@ impl Reader {
             time: self.times[k],
             step: self.steps[k],
             identities: rows(&data.dataset(name::IDENTITY)?, range())?,
+            // bytes in files of an older Sinew: HDF5 widens them
             materials: rows(&data.dataset(name::MATERIAL)?, range())?,
             positions: positions.as_chunks().0.to_vec(),
             columns: wanted

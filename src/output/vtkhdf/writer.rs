@@ -38,6 +38,8 @@ struct Open {
     head: Head,
     /// Positions, identities, materials: open over the frame, so that a chunk of several pieces stays in memory.
     always: [Dataset; 3],
+    /// The last material that its dataset can name: files of an older Sinew have bytes there.
+    last_material: u16,
     /// A dataset for each field of the head.
     columns: Vec<Dataset>,
     /// Row at which the next piece starts.
@@ -130,6 +132,14 @@ impl Writer {
     /// If they cannot be written.
     pub fn piece(&mut self, piece: &Piece) -> Result<()> {
         let Some(open) = &mut self.open else { return Ok(()) };
+        if let Some(material) = piece.materials.iter().find(|&&m| m > open.last_material) {
+            let problem = format!(
+                "an older Sinew began it, with room for materials 0 to {}, not for {material}: move it away and restart the \
+                 run, then frames begin anew",
+                open.last_material
+            );
+            return Err(Error::Content { path: self.path.clone(), problem });
+        }
         let rows = piece.positions.len();
         let write = || -> hdf5::Result<()> {
             put(&open.always[0], open.row, 3, bytemuck::cast_slice::<_, f32>(&piece.positions))?;
@@ -233,7 +243,7 @@ impl Writer {
         unit(&column::<f32>(&root, name::POINTS, 3, chunk)?, "m")?;
         let data = root.group(name::DATA)?;
         column::<u64>(&data, name::IDENTITY, 1, chunk)?;
-        column::<u8>(&data, name::MATERIAL, 1, chunk)?;
+        column::<u16>(&data, name::MATERIAL, 1, chunk)?;
         for field in &fields {
             unit(&column::<f32>(&data, &field.name, field.components, chunk)?, &field.unit)?;
         }
@@ -253,9 +263,10 @@ impl Writer {
         let data = root.group(name::DATA)?;
         let always =
             [root.dataset(name::POINTS)?, data.dataset(name::IDENTITY)?, data.dataset(name::MATERIAL)?];
+        let last_material = if always[2].dtype()?.size() == 1 { u8::MAX.into() } else { u16::MAX };
         let columns =
             head.fields.iter().map(|field| data.dataset(&field.name)).collect::<hdf5::Result<_>>()?;
-        Ok(Open { head, always, columns, row: self.next })
+        Ok(Open { head, always, last_material, columns, row: self.next })
     }
 
     /// What the tables say about a frame whose particles are written.
@@ -340,7 +351,7 @@ fn unlocked() -> FileBuilder {
 
 /// Bytes that a frame takes if nothing of it can be compressed.
 fn room(particles: usize, fields: &[Field]) -> usize {
-    let fixed = size_of::<[f32; 3]>() + size_of::<u64>() + size_of::<u8>();
+    let fixed = size_of::<[f32; 3]>() + size_of::<u64>() + size_of::<u16>();
     let connectivity = 2 * size_of::<i64>();
     let numbers: usize = fields.iter().map(|f| f.components).sum();
     (particles + CHUNK.min(particles)) * (fixed + connectivity + numbers * size_of::<f32>()) + SLACK

@@ -10,6 +10,11 @@ pub fn passed(time: f64, every: f64) -> usize {
     (time / every * (1.0 + HAIR)).floor() as usize
 }
 
+/// Number of the interval that ends after a time.
+pub fn after(time: f64, every: f64) -> usize {
+    passed(time, every).saturating_add(1)
+}
+
 /// Simulated time between two frames [s].
 pub fn frame_interval(scene: &Scene) -> f64 {
     scene.run.until / scene.output.frames.max(1) as f64
@@ -85,6 +90,13 @@ mod tests {
         assert_eq!(due(&Checkpoint { time: Some(1.5), ..NEVER }), [5, 10, 15, 20]);
         assert_eq!(due(&Checkpoint { time: Some(0.1), ..NEVER }).len(), 20);
         assert_eq!(due(&Checkpoint { time: Some(100.0), ..NEVER }), [20]);
+    }
+
+    #[test]
+    fn intervals_end_where_numbers_do() {
+        assert_eq!([after(0.0, 0.5), after(0.9, 0.5), after(1.0, 0.5)], [1, 2, 3]);
+        assert_eq!(after(1.0, f64::MIN_POSITIVE), usize::MAX);
+        assert_eq!(after(1.0, 0.0), usize::MAX);
     }
 
     #[test]

@@ -119,7 +119,7 @@ impl Recorder {
         let every = due::frame_interval(&simulation.scene);
         let same = head.recorded.due > 0 && due::stored_frame_interval(&head.scene) == Some(every);
         let due = head.recorded.due as usize - usize::from(dropped[1]);
-        recorder.due = if same { due } else { due::passed(head.time, every) + 1 };
+        recorder.due = if same { due } else { due::after(head.time, every) };
         Ok((recorder, warnings.unwrap_or_default()))
     }
 

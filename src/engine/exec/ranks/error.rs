@@ -1,4 +1,5 @@
 use super::Channel;
+use super::launch::Threading;
 
 /// Why ranks cannot go on together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -10,6 +11,18 @@ pub enum NetworkError {
     Lost {
         /// The rank.
         rank: usize,
+    },
+    /// An MPI library that does not know of threads.
+    #[error(
+        "{threads} threads a rank need {}, but this MPI library grants {granted}: run with --threads 1, or with an MPI \
+         library that was built for threads",
+        Threading::Funneled
+    )]
+    Threading {
+        /// What it grants.
+        granted: Threading,
+        /// Threads of this rank.
+        threads: usize,
     },
     /// Particles that left a rank and came nowhere.
     #[error(
@@ -28,6 +41,31 @@ pub enum NetworkError {
         patch: usize,
         /// Who sent it.
         rank: usize,
+    },
+    /// A message that MPI cannot count.
+    #[error(
+        "a message between this rank and rank {rank} about {channel:?} has {lines} lines of 64 bytes; MPI counts to {}. Cut \
+         the scene into more patches with --patches, or start more ranks",
+        i32::MAX
+    )]
+    TooLong {
+        /// The other rank.
+        rank: usize,
+        /// What it is about.
+        channel: Channel,
+        /// Its lines.
+        lines: usize,
+    },
+    /// A message that is no whole number of lines, or has more than MPI counts.
+    #[error(
+        "a message of rank {rank} about {channel:?} is no whole number of lines that MPI can count. This is an error in \
+         Sinew, please report it; or do all ranks run the same Sinew?"
+    )]
+    Torn {
+        /// Who sent it.
+        rank: usize,
+        /// What it is about.
+        channel: Channel,
     },
     /// A message that does not hold what both sides know it must.
     #[error(

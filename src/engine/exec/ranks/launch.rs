@@ -1,6 +1,6 @@
 //! What a launcher such as `mpirun` tells a process before MPI has begun.
-use super::{Alone, Network};
-use std::env;
+use super::{Alone, Network, NetworkError};
+use std::{env, fmt};
 
 /// Place of this process among those that were launched together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,19 +28,19 @@ impl Launch {
         launched.unwrap_or(Self { rank: 0, size: 1 })
     }
 
-    /// The ranks that were launched together, and how many of them share this machine.
+    /// The ranks that were launched together, and what this one finds where it runs.
     ///
     /// # Errors
     /// Several processes, and a Sinew that was built without MPI.
-    pub fn connect(self) -> Result<(Box<dyn Network>, usize), String> {
+    pub fn connect(self) -> Result<(Box<dyn Network>, Site), String> {
         if self.size == 1 {
-            return Ok((Box::new(Alone), 1));
+            return Ok((Box::new(Alone), Site { ranks: 1, threading: Threading::Multiple }));
         }
         #[cfg(feature = "mpi")]
         {
             let mpi = super::mpi::Mpi::start().ok_or("MPI was started before in this process")?;
-            let here = mpi.ranks_here();
-            Ok((Box::new(mpi), here))
+            let site = Site { ranks: mpi.ranks_here(), threading: mpi.threading() };
+            Ok((Box::new(mpi), site))
         }
         #[cfg(not(feature = "mpi"))]
         Err(format!(
@@ -48,6 +48,53 @@ impl Launch {
              --features mpi, or start it without mpirun",
             self.size
         ))
+    }
+}
+
+/// What a rank finds where it runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Site {
+    /// Ranks on this machine, itself included.
+    pub ranks: usize,
+    /// What MPI lets its threads do.
+    pub threading: Threading,
+}
+
+/// What an MPI library lets the threads of a process do, in ascending order (MPI 3.1, 12.4.3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Threading {
+    /// There is one thread.
+    Single,
+    /// One of several threads calls MPI, the one that started it: all that Sinew needs.
+    Funneled,
+    /// All of them call it, one at a time.
+    Serialized,
+    /// All of them call it.
+    Multiple,
+}
+
+impl Threading {
+    /// Whether a rank may have so many threads.
+    ///
+    /// # Errors
+    /// If it may have one alone.
+    pub fn admits(self, threads: usize) -> Result<(), NetworkError> {
+        if threads <= 1 || self >= Self::Funneled {
+            return Ok(());
+        }
+        Err(NetworkError::Threading { granted: self, threads })
+    }
+}
+
+impl fmt::Display for Threading {
+    /// As MPI calls it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Single => "MPI_THREAD_SINGLE",
+            Self::Funneled => "MPI_THREAD_FUNNELED",
+            Self::Serialized => "MPI_THREAD_SERIALIZED",
+            Self::Multiple => "MPI_THREAD_MULTIPLE",
+        })
     }
 }
 
@@ -82,4 +129,22 @@ pub fn threads(asked: Option<usize>, here: usize) -> (usize, Option<String>) {
         )
     });
     (threads, note)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_threads_need_an_mpi_that_knows_of_them() {
+        let levels = [Threading::Single, Threading::Funneled, Threading::Serialized, Threading::Multiple];
+        for level in levels {
+            assert_eq!(level.admits(1), Ok(()), "{level}");
+            assert_eq!(level.admits(2).is_ok(), level != Threading::Single, "{level}");
+        }
+        let error = Threading::Single.admits(8).expect_err("too many").to_string();
+        for fact in ["8 threads", "MPI_THREAD_FUNNELED", "MPI_THREAD_SINGLE", "--threads 1"] {
+            assert!(error.contains(fact), "{error}");
+        }
+    }
 }

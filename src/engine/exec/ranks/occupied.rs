@@ -45,30 +45,29 @@ pub fn tell(
         let boxes: Vec<IndexBox> = patches.iter().map(|patch| patch.grown(sight)).collect();
         let occupied = warehouse.blocks().filter(|(_, block)| block.count > 0);
         let seen = occupied.filter(|(_, block)| boxes.iter().any(|seen| seen.contains(block.index)));
-        let words: Vec<u64> = seen.map(|(material, block)| encode(material, block.index)).collect();
+        let words: Vec<u64> = seen.flat_map(|(material, block)| encode(material, block.index)).collect();
         network.send(*rank, Channel::Occupied, pack(&words));
     }
     let mut occupied = Vec::new();
     for Beside { rank, .. } in beside {
         let message = network.receive(*rank, Channel::Occupied)?;
-        occupied.extend(unpack(&message).iter().map(|&word| decode(word)));
+        occupied.extend(unpack(&message).as_chunks().0.iter().map(decode));
     }
     warehouse.set_beyond(occupied.into_iter());
     Ok(())
 }
 
-/// Bits of an index along one axis.
-const BITS: u32 = 19;
-/// What makes an index positive: blocks begin at −1.
-const SHIFT: i32 = 16;
+/// Words of a block: its material, and its index on the three axes in a half each. Any of them fits.
+type Words = [u64; 3];
 
-fn encode(material: usize, index: BlockIndex) -> u64 {
-    index.iter().fold(material as u64, |word, i| word << BITS | (i + SHIFT) as u64)
+fn encode(material: usize, index: BlockIndex) -> Words {
+    let [x, y, z] = index.map(|i| u64::from(i.cast_unsigned()));
+    [material as u64, x, y << 32 | z]
 }
 
-fn decode(word: u64) -> (usize, BlockIndex) {
-    let axis = |a: u32| (word >> (BITS * (2 - a)) & ((1 << BITS) - 1)) as i32 - SHIFT;
-    ((word >> (3 * BITS)) as usize, [axis(0), axis(1), axis(2)])
+fn decode(&[material, x, yz]: &Words) -> (usize, BlockIndex) {
+    let half = |word: u64| (word as u32).cast_signed();
+    (material as usize, [half(x), half(yz >> 32), half(yz)])
 }
 
 #[cfg(test)]
@@ -77,8 +76,13 @@ mod tests {
 
     #[test]
     fn blocks_survive_a_message() {
-        for block in [(0, [-1, 0, 1]), (63, [300_000, 2, -1]), (7, [5, 300_000, 300_000])] {
-            assert_eq!(decode(encode(block.0, block.1)), block);
-        }
+        let indices =
+            [[-1, 0, 1], [300_000, 2, -1], [i32::MIN, i32::MAX, -1], [i32::MAX, -1, i32::MIN], [-1; 3]];
+        let materials = [0, 7, 63, 127, 128, 300, 65_535, u32::MAX as usize, usize::MAX];
+        let blocks = || materials.iter().flat_map(|&m| indices.map(|index| (m, index)));
+        let words: Vec<u64> = blocks().flat_map(|(material, index)| encode(material, index)).collect();
+        let (all, rest) = words.as_chunks();
+        assert!(rest.is_empty());
+        assert_eq!(all.iter().map(decode).collect::<Vec<_>>(), blocks().collect::<Vec<_>>());
     }
 }
