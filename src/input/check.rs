@@ -1,8 +1,9 @@
 //! Completes a document by its description: every value checked and turned into SI, every default filled in, nothing
 //! left that is not described. What comes out is read without further questions about its form.
-use super::document::{Data, Entry, Node, Place, dotted};
+use super::document::{Data, Entry, Node, dotted};
 use super::error::{Fault, Outcome, listing, suggestion};
 use super::form::{Absent, Counts, Field, Form, Range};
+use super::source::Place;
 use super::units;
 use crate::physics::parameter::Dimension;
 

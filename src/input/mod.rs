@@ -12,6 +12,7 @@ pub mod lattice;
 mod read;
 pub mod scene;
 mod shapes;
+mod source;
 pub mod units;
 mod validate;
 

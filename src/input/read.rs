@@ -1,9 +1,10 @@
 //! Reads scene files.
-use super::document::{self, Data, Entry, Node, Source, parse};
+use super::document::{self, Data, Entry, Node, parse};
 use super::error::{Outcome, SceneError};
 use super::fields::SCENE;
 use super::form::Form;
 use super::scene::Scene;
+use super::source::Source;
 use super::{build, check, validate};
 use std::path::Path;
 
