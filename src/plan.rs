@@ -35,7 +35,7 @@ pub fn plan(scene: &Scene, wanted: usize, ranks: usize) -> Result<Plan, String> 
     let warehouse = outline(scene, decomposition.clone());
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
     let mut traffic = traffic::count(&warehouse, &partition);
-    let history = |m: &Material| populate::history_of(&m.behavior).len() as u64;
+    let history = |m: &Material| populate::declared(&m.behavior).history.len() as u64;
     traffic.history = scene.materials.iter().map(history).collect();
     Ok(Plan { decomposition, partition, traffic })
 }

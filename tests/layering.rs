@@ -86,6 +86,13 @@ fn only_the_recipe_among_the_tasks_knows_a_recipe() {
     }
 }
 
+/// What one law alone means by its history, events and counts is in that law's files, and where files name it.
+#[test]
+fn what_runs_a_law_knows_no_law() {
+    let tissue = ["tissue", "fiber", "fibers", "failed", "failure", "failures", "fails", "crushed"];
+    without(&["tasks", "src/data", "src/graph"], &tissue);
+}
+
 /// Of the physics, graph and executor use the extent of stencils alone: how far a particle reaches is what decides about
 /// ghosts, buffers and relocation.
 #[test]

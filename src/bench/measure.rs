@@ -5,7 +5,7 @@ use super::rows::{Findings, Metered};
 use crate::data::warehouse::Warehouse;
 use crate::exec::meter::{Calibration, Tally, What};
 use crate::simd::{Isa, LANES};
-use crate::simulation::{RunError, Simulation};
+use crate::simulation::{RunError, Simulation, failures};
 use std::time::Instant;
 
 /// How much is measured.
@@ -205,9 +205,8 @@ fn machine(isa: Isa) -> Machine {
 }
 
 fn state(simulation: &mut Simulation) -> Result<State, BenchError> {
-    let materials = simulation.report().map_err(RunError::from)?.materials;
-    // inverted particles are among those that failed
-    let failed: u64 = materials.iter().map(|m| m.failed[..3].iter().sum::<u64>()).sum();
+    let report = simulation.report().map_err(RunError::from)?;
+    let failed: u64 = failures::STATES.iter().map(|state| failures::total(&report, state)).sum();
     let warehouse: &Warehouse = &simulation.warehouse;
     let particles = warehouse.particle_count();
     let (particle_bytes, node_bytes) = simulation.bytes();

@@ -2,6 +2,7 @@
 use super::exact_sum::ExactSum;
 use super::label::{Home, Reduce, labels};
 use super::shared::{Clock, MaterialStep, RigidState};
+use crate::physics::law::{MAX_COUNTS, MAX_EVENTS};
 use crate::physics::shape::{NodeRows, Stencil};
 use crate::simd::Wide;
 use bytemuck::Pod;
@@ -49,12 +50,12 @@ labels! {
     SignalSpeed:      Material Max, [Wide; 3], "m/s", "max over p of c + |v|, of c, of |v|";
     Step:             Material, MaterialStep, "s",    "the step of its own that a material is in";
     Fault:            Material First, Wide, "mixed",  "first inadmissible particle: kind, identity, value";
-    FirstFailure:     Material First, [Wide; 2], "mixed", "time, identity, place of the first matrix and fiber failure";
+    FirstEvent:       Material First, [Wide; MAX_EVENTS], "mixed", "time, identity, place of the first of each event that the law tells";
     RigidImpulse:     Material Sum, [ExactSum; 6], "N s, N m s", "impulse and torque impulse on a rigid body";
     RigidMotion:      Material, RigidState, "mixed",  "state of a rigid body";
     MaterialEnergy:   Material Sum, [ExactSum; 5], "J", "kinetic, strain, plastic, fracture, viscous";
     MaterialMotion:   Material Sum, [ExactSum; 10], "mixed", "m, m v (3), m x (3), m x cross v (3)";
-    FailedCount:      Material Sum, [ExactSum; 4], "1", "particles with failed matrix only, fibers only, both, inverted";
+    StateCount:       Material Sum, [ExactSum; MAX_COUNTS], "1", "particles in each state that the law counts";
 
     Time:             Global,   Clock,     "s",       "time, tick, and what limits it";
     ContactWork:      Global Sum, [ExactSum; 2], "J", "kinetic energy lost in contact: by friction, by impact";

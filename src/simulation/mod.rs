@@ -1,6 +1,7 @@
 //! A run: a scene becomes particles and graphs, steps are taken, faults become errors.
 mod balance;
 mod checkpoint;
+pub mod failures;
 pub mod fault;
 mod hash;
 pub mod layout;
@@ -29,7 +30,7 @@ use crate::exec::{Engine, Executor, Serial, Threads};
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
 use crate::grid::{Decomposition, Partition};
-use crate::input::scene::{Behavior, Leaving, Rates, Scene};
+use crate::input::scene::{Leaving, Rates, Scene};
 use crate::output;
 use crate::simd::Isa;
 use crate::tasks::timestep;
@@ -39,7 +40,7 @@ use std::path::Path;
 const WANTED: &[LabelId] = &[
     LabelId::Time,
     LabelId::Fault,
-    LabelId::FirstFailure,
+    LabelId::FirstEvent,
     LabelId::ContactWork,
     LabelId::BoundaryWork,
     LabelId::TransferLoss,
@@ -339,9 +340,4 @@ impl Simulation {
     fn check_faults(&self) -> Result<(), RunError> {
         fault::find(&self.scene, &self.warehouse, self.clock().time, self.steps).map_or(Ok(()), Err)
     }
-}
-
-/// The law's number of history called `failure`, if the material has a law that fails.
-pub fn failure_index(behavior: &Behavior) -> Option<usize> {
-    populate::history_of(behavior).iter().position(|v| v.name == "failure")
 }

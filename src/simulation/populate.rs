@@ -8,7 +8,7 @@ use crate::graph::build::TaskGraph;
 use crate::grid::{Decomposition, Partition};
 use crate::input::lattice;
 use crate::input::scene::{Behavior, Body, Rates, RigidMotion, Scene};
-use crate::physics::law::{Law, Variable};
+use crate::physics::law::{Declared, Law, Reference};
 use crate::physics::materials::WithLaw;
 use crate::tasks::timestep;
 use nalgebra::{Matrix3, Vector3};
@@ -58,38 +58,39 @@ pub fn empty(
 pub fn layout_of(scene: &Scene, graph: &TaskGraph, material: usize) -> Layout {
     let always = [LabelId::Identity, LabelId::Position, LabelId::Velocity, LabelId::Mass];
     let labels = graph.particle_labels(material).into_iter().chain(always);
-    Layout::new(labels, initial_history(&scene.materials[material].behavior, [1.0, 0.0, 0.0]))
+    let reference = Reference { fiber: [1.0, 0.0, 0.0] };
+    Layout::new(labels, initial_history(&scene.materials[material].behavior, reference))
 }
 
-/// The history that a material's law keeps.
-pub fn history_of(behavior: &Behavior) -> &'static [Variable] {
+/// What a material's law declares.
+pub fn declared(behavior: &Behavior) -> Declared {
     match behavior {
-        Behavior::Deformable(law) => law.visit(HistoryOf),
-        Behavior::Rigid(_) => &[],
+        Behavior::Deformable(law) => law.visit(DeclaredBy),
+        Behavior::Rigid(_) => Declared::default(),
     }
 }
 
-struct HistoryOf;
-impl WithLaw for HistoryOf {
-    type Output = &'static [Variable];
-    fn with<L: Law>(self, _law: L) -> Self::Output {
-        L::HISTORY
+struct DeclaredBy;
+impl WithLaw for DeclaredBy {
+    type Output = Declared;
+    fn with<L: Law>(self, _law: L) -> Declared {
+        Declared::by::<L>()
     }
 }
 
-struct Initial([f64; 3]);
+struct Initial(Reference);
 impl WithLaw for Initial {
     type Output = Vec<f64>;
     fn with<L: Law>(self, law: L) -> Vec<f64> {
         let mut history = vec![0.0; L::HISTORY.len()];
-        law.initial(self.0, &mut history);
+        law.initial(&self.0, &mut history);
         history
     }
 }
 
-fn initial_history(behavior: &Behavior, fiber: [f64; 3]) -> Vec<f64> {
+fn initial_history(behavior: &Behavior, reference: Reference) -> Vec<f64> {
     match behavior {
-        Behavior::Deformable(law) => law.visit(Initial(fiber)),
+        Behavior::Deformable(law) => law.visit(Initial(reference)),
         Behavior::Rigid(_) => Vec::new(),
     }
 }
@@ -111,7 +112,8 @@ fn add_body(
         if !warehouse.partition.is_mine(patch) {
             continue;
         }
-        let history = initial_history(&material.behavior, lattice::fiber_at(&body.fibers, x));
+        let reference = Reference { fiber: lattice::fiber_at(&body.fibers, x) };
+        let history = initial_history(&material.behavior, reference);
         let drive = scene.drives.iter().position(|d| d.material == body.material && d.region.contains(x));
         let mut record = Vec::with_capacity(layout.total);
         for label in layout.labels() {

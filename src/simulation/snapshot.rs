@@ -1,5 +1,5 @@
 //! The particles of a running simulation, as output sees them.
-use super::populate::history_of;
+use super::populate::declared;
 use crate::data::labels::LabelId;
 use crate::data::particles::{Layout, ParticleBlock};
 use crate::data::warehouse::Warehouse;
@@ -35,7 +35,7 @@ impl<'a> Snapshot<'a> {
         let fields = fields(scene);
         let of_material = |m: usize| {
             let deformable = warehouse.materials[m].layout.widths[LabelId::KirchhoffStress as usize] > 0;
-            let history = history_of(&scene.materials[m].behavior);
+            let history = declared(&scene.materials[m].behavior).history;
             let source = |field: &Field| match field.name.as_str() {
                 "velocity" => Source::Velocity,
                 "volume_ratio" if deformable => Source::VolumeRatio,
@@ -123,7 +123,7 @@ fn fields(scene: &Scene) -> Vec<Field> {
         field("pressure", "Pa", 1),
         field("von_mises", "Pa", 1),
     ];
-    for variable in scene.materials.iter().flat_map(|m| history_of(&m.behavior)) {
+    for variable in scene.materials.iter().flat_map(|m| declared(&m.behavior).history) {
         if !fields.iter().any(|f| f.name == variable.name) {
             fields.push(field(variable.name, variable.unit, 1));
         }

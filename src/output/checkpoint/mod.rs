@@ -13,7 +13,7 @@ pub use reader::Reader;
 pub use writer::Writer;
 
 /// Version of the format.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 /// The version of Sinew that writes.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 

@@ -1,7 +1,7 @@
 //! Metal plasticity: neo-Hookean elasticity with a von Mises yield surface.
 use super::AnyLaw;
 use super::neo_hookean::NeoHookean;
-use crate::physics::law::{Energies, Kinematics, Law, Response, Variable};
+use crate::physics::law::{Energies, Kinematics, Law, Reference, Response, Variable};
 use crate::physics::parameter::{Described, Dimension, Parameter, Values};
 use crate::physics::tensor::{determinant, deviator_invariants, push_forward, scaled};
 use crate::simd::{Simd, math};
@@ -60,7 +60,7 @@ impl Law for J2 {
         Variable { name: "plastic_strain", unit: "1" },
     ];
 
-    fn initial(&self, _fiber: [f64; 3], history: &mut [f64]) {
+    fn initial(&self, _reference: &Reference, history: &mut [f64]) {
         history.copy_from_slice(&[1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
     }
 

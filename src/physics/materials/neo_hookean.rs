@@ -1,7 +1,7 @@
 //! Compressible neo-Hookean elasticity.
 use super::AnyLaw;
 use crate::physics::acoustic::Stiffness;
-use crate::physics::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
+use crate::physics::law::{Energies, Events, Kinematics, Law, Reference, Response, Variable, inadmissible};
 use crate::physics::parameter::{Described, Dimension, Parameter, Values};
 use crate::physics::tensor::{deviator_invariants, scaled, times_transpose, trace};
 use crate::simd::{Simd, math};
@@ -65,7 +65,7 @@ impl Described for NeoHookean {
 impl Law for NeoHookean {
     const HISTORY: &'static [Variable] = &[];
 
-    fn initial(&self, _fiber: [f64; 3], _history: &mut [f64]) {}
+    fn initial(&self, _reference: &Reference, _history: &mut [f64]) {}
 
     #[inline(always)]
     fn update<S: Simd>(&self, k: &Kinematics<S>, _history: &mut [S]) -> Response<S> {

@@ -6,7 +6,9 @@ pub use failure::{Failure, NoFailure, Present, TwoSurface, Verdict};
 pub use family::Family;
 
 use crate::physics::acoustic::Stiffness;
-use crate::physics::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
+use crate::physics::law::{
+    Energies, Events, Kinematics, Law, MAX_COUNTS, Reference, Response, Variable, inadmissible,
+};
 use crate::physics::tensor::{apply, deviator_invariants, scaled, times_transpose};
 use crate::simd::{Mask, Simd, math};
 
@@ -182,10 +184,12 @@ impl<F> Tissue<F> {
 
 impl<F: Failure> Law for Tissue<F> {
     const HISTORY: &'static [Variable] = F::HISTORY;
+    const EVENTS: &'static [&'static str] = F::EVENTS;
+    const COUNTS: &'static [&'static str] = F::COUNTS;
 
-    fn initial(&self, fiber: [f64; 3], history: &mut [f64]) {
+    fn initial(&self, reference: &Reference, history: &mut [f64]) {
         history.fill(0.0);
-        history[..3].copy_from_slice(&fiber);
+        history[..3].copy_from_slice(&reference.fiber);
     }
 
     #[inline(always)]
@@ -195,6 +199,11 @@ impl<F: Failure> Law for Tissue<F> {
         let stored = |f: &[S; 9], j: S| self.terms(&State::new(f, j, &fiber));
         let Verdict { present, events } = self.failure.judge(&state, k, &mut history[3..], stored);
         self.respond(&state, present, events)
+    }
+
+    #[inline(always)]
+    fn counts<S: Simd>(&self, history: &[S]) -> [Mask; MAX_COUNTS] {
+        self.failure.counts(&history[3..])
     }
 
     #[inline(always)]
