@@ -4,9 +4,8 @@ use crate::data::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums};
 use crate::data::nodes::NODES;
 use crate::data::shared::RigidState;
 use crate::graph::task::{At, Body};
-use crate::input::scene::{Contact as Touch, ContactLaw};
 use crate::physics::contact::surface::SurfaceTable;
-use crate::physics::contact::{Exchange, Pair, bonded, dot, friction};
+use crate::physics::contact::{Contact as Touch, ContactLaw, Exchange, Pair, dot};
 use crate::physics::lattice::Lattice;
 use crate::simd::{Simd, Wide};
 
@@ -167,13 +166,7 @@ impl Contact {
         // the internal force of a uniformly stressed surface is −σ Σ V ∇S
         let traction = (dot(b.force(), normal) - dot(a.force(), normal)) / area;
         let seen = Pair { relative, reduced_mass, normal, traction };
-        let exchange = match pair.law {
-            ContactLaw::Bonded => bonded::exchange(&seen),
-            ContactLaw::Friction { coefficient, criterion } => {
-                friction::exchange(&seen, coefficient, criterion)
-            }
-        };
-        Some((exchange, masses))
+        Some((pair.law.exchange(&seen), masses))
     }
 
     /// Gap between the surfaces near the node [cells], along the mean of the two unit normals: where edges of two bodies

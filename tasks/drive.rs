@@ -1,7 +1,7 @@
 use super::work::Work;
 use crate::data::labels::{BoundaryWork, DriveIndex, GridVelocity, Mass, Step, Velocity, VelocityChange};
 use crate::graph::task::{At, Body};
-use crate::input::scene::Table;
+use crate::physics::table::Table;
 use crate::simd::{LANES, Simd};
 
 /// Particles of a driven region move as the scene prescribes, whatever the nodes say.

@@ -33,8 +33,9 @@ use super::viscosity::Viscosity;
 use super::weights::Weights;
 use crate::graph::recipe::{Entry, Recipe};
 use crate::graph::task::Runnable;
-use crate::input::scene::{Behavior, FaceCondition, Rates, RigidMotion as Motion, Scene, ShapeFunction};
+use crate::input::scene::{Behavior, Rates, RigidMotion as Motion, Scene, ShapeFunction};
 use crate::physics::contact::surface::SurfaceTable;
+use crate::physics::faces::FaceCondition;
 use crate::physics::lattice::Lattice;
 use crate::physics::law::Law;
 use crate::physics::materials::{AnyLaw, WithLaw};
@@ -260,7 +261,7 @@ impl<'a> Builder<'a> {
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
             surfaces: surfaces.collect(),
-            symmetric: self.scene.faces.each_ref().map(|face| *face == FaceCondition::Symmetric),
+            symmetric: self.scene.faces.each_ref().map(|face| face.is_mirror()),
             cells: self.scene.domain.cells,
         };
         if self.rigid.contains(&true) {
@@ -291,7 +292,7 @@ impl<'a> Builder<'a> {
     }
 
     fn boundary(&mut self) {
-        if self.scene.faces.iter().any(|f| *f != FaceCondition::Free) {
+        if self.scene.faces.iter().any(|f| f.acts()) {
             let task = Boundary {
                 faces: self.scene.faces.clone(),
                 cells: self.scene.domain.cells,

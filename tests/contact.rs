@@ -9,9 +9,10 @@ use sinew::data::nodes::NODES;
 use sinew::data::schedule::Field;
 use sinew::data::workspace::Workspace;
 use sinew::graph::task::{At, Runnable};
-use sinew::input::scene::{Contact as Touch, ContactLaw, Criterion};
+use sinew::physics::contact::bonded::Bonded;
+use sinew::physics::contact::friction::{Criterion, Friction};
 use sinew::physics::contact::surface::SurfaceTable;
-use sinew::physics::contact::{Pair, bonded, dot, friction};
+use sinew::physics::contact::{AnyContactLaw, Contact as Touch, ContactLaw, Pair, dot};
 use sinew::physics::lattice::Lattice;
 use sinew::physics::shape::Origin;
 use sinew::simd::{Isa, Wide};
@@ -41,7 +42,7 @@ fn bonded_materials_move_as_one() {
     let mut random = Random(1);
     for _ in 0..1000 {
         let pair = pair(&mut random);
-        assert!(norm(after(&pair, &bonded::exchange(&pair))) < 1e-15);
+        assert!(norm(after(&pair, &Bonded.exchange(&pair))) < 1e-15);
     }
 }
 
@@ -51,7 +52,7 @@ fn friction_follows_coulomb_and_its_criterion() {
     for criterion in CRITERIA {
         for _ in 0..1000 {
             let (pair, mu) = (pair(&mut random), 2.0 * random.unit());
-            let exchange = friction::exchange(&pair, mu, criterion);
+            let exchange = Friction { coefficient: mu, criterion }.exchange(&pair);
             let (approach, compressed) = (dot(pair.relative, pair.normal), pair.traction < 0.0);
             let acts = match criterion {
                 Criterion::Approach => approach > 0.0,
@@ -72,7 +73,7 @@ fn friction_follows_coulomb_and_its_criterion() {
                 sticks || across > mu * normal * (1.0 - 1e-14),
                 "what slips is held as far as friction goes"
             );
-            let smooth = friction::exchange(&pair, 0.0, criterion);
+            let smooth = Friction { coefficient: 0.0, criterion }.exchange(&pair);
             assert_eq!(
                 smooth.friction.map(f64::abs),
                 [0.0; 3],
@@ -141,8 +142,8 @@ impl Nodes {
 fn every_node_keeps_its_momentum_whoever_meets_there() {
     let lattice = Lattice { lower: [0.0; 3], cell: 0.1 };
     let mut random = Random(3);
-    let friction = |criterion| ContactLaw::Friction { coefficient: 0.4, criterion };
-    for law in [ContactLaw::Bonded, friction(CRITERIA[0]), friction(CRITERIA[1]), friction(CRITERIA[2])] {
+    let friction = |criterion| AnyContactLaw::from(Friction { coefficient: 0.4, criterion });
+    for law in [Bonded.into(), friction(CRITERIA[0]), friction(CRITERIA[1]), friction(CRITERIA[2])] {
         for materials in [2, 3] {
             let pairs: &[[usize; 2]] = if materials == 2 { &[[0, 1]] } else { &[[0, 1], [0, 2], [1, 2]] };
             let task = Contact {

@@ -78,6 +78,24 @@ fn tasks_know_no_threads_no_ranks_no_graph_library_and_no_warehouse() {
     without(&["tasks"], &forbidden);
 }
 
+/// Tasks see numbers and laws; what a scene says reaches them through the recipe.
+#[test]
+fn only_the_recipe_among_the_tasks_reads_scenes() {
+    without_text(&["tasks"], &["crate::input"], "tasks/timestep.rs");
+}
+
+/// Laws, contact laws and conditions on faces are known by their registries alone. (Other fields use some of the words.)
+#[test]
+fn the_reader_of_scenes_names_nothing_that_has_a_registry() {
+    use sinew::physics::{contact, faces, materials};
+    let laws = materials::LAWS.iter().map(|law| law.name);
+    let names =
+        laws.chain(contact::LAWS.iter().map(|law| law.name)).chain(faces::CONDITIONS.iter().map(|c| c.name));
+    let quoted: Vec<_> =
+        names.filter(|name| !["free", "velocity"].contains(name)).map(|name| format!("\"{name}\"")).collect();
+    without_text(&["src/input"], &quoted.iter().map(String::as_str).collect::<Vec<_>>(), "-");
+}
+
 #[test]
 fn only_the_recipe_among_the_tasks_knows_a_recipe() {
     for (file, text) in sources(&["tasks"]).iter().filter(|(file, _)| file != "tasks/timestep.rs") {

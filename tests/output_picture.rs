@@ -6,6 +6,7 @@ use sinew::output::frame::Field;
 use sinew::output::picture::{Canvas, Coloring, exit_face, section};
 use sinew::output::snapshot::Snapshot;
 use sinew::output::wound;
+use sinew::physics::faces::free::Free;
 use std::path::Path;
 
 const MM: f64 = 1e-3;
@@ -43,7 +44,7 @@ fn scene() -> Scene {
         materials: vec![rigid("myocardium"), rigid("lead")],
         bodies: vec![body(0), body(1)],
         contacts: vec![],
-        faces: std::array::from_fn(|_| FaceCondition::Free),
+        faces: std::array::from_fn(|_| Free.into()),
         drives: vec![],
         gravity: [0.0; 3],
         damping: 0.0,

@@ -1,7 +1,7 @@
 use crate::data::labels::{BoundaryWork, RigidImpulse, RigidMotion as RigidMotionLabel, Time};
 use crate::data::shared::RigidState;
 use crate::graph::task::{At, Body};
-use crate::input::scene::Table;
+use crate::physics::table::Table;
 use crate::simd::Simd;
 use crate::tasks::work::Work;
 use nalgebra::{Matrix3, Rotation3, Vector3};

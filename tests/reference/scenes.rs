@@ -4,7 +4,8 @@ use crate::laws::Law;
 use crate::step::{Face, M3, Material, Model, Particle, V3};
 use sinew::data::labels::LabelId::{self, *};
 use sinew::data::particles::{Layout, ParticleBlock};
-use sinew::input::scene::{FaceCondition, Scene, ShapeFunction};
+use sinew::input::scene::{Scene, ShapeFunction};
+use sinew::physics::faces::AnyFaceCondition;
 use sinew::simd::Isa;
 use sinew::simulation::Simulation;
 
@@ -93,10 +94,10 @@ fn model(scene: &Scene, laws: [Law; 2]) -> Model {
         Material { law: laws[m], density: scene.materials[m].density, half_size }
     };
     let face = |f: usize| match scene.faces[f] {
-        FaceCondition::Free => Face::Free,
-        FaceCondition::Fixed => Face::Fixed,
-        FaceCondition::Symmetric => Face::Symmetric,
-        FaceCondition::Velocity(_) => unimplemented!("the reference has no moving faces"),
+        AnyFaceCondition::Free(_) => Face::Free,
+        AnyFaceCondition::Fixed(_) => Face::Fixed,
+        AnyFaceCondition::Symmetric(_) => Face::Symmetric,
+        AnyFaceCondition::Velocity(_) => unimplemented!("the reference has no moving faces"),
     };
     Model {
         lower: domain.lower.into(),

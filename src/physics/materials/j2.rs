@@ -1,8 +1,7 @@
 //! Metal plasticity: neo-Hookean elasticity with a von Mises yield surface.
-use super::AnyLaw;
 use super::neo_hookean::NeoHookean;
 use crate::physics::law::{Energies, Kinematics, Law, Reference, Response, Variable};
-use crate::physics::parameter::{Described, Dimension, Parameter, Values};
+use crate::physics::parameter::{Described, Dimension, Parameter, Refusal, Values};
 use crate::physics::tensor::{determinant, deviator_invariants, push_forward, scaled};
 use crate::simd::{Simd, math};
 
@@ -41,11 +40,12 @@ impl Described for J2 {
             "isotropic hardening modulus H: the yield stress is σ₀ + H α",
         ),
     ];
-    fn build(values: &Values) -> Result<AnyLaw, (&'static str, String)> {
+    type Built = Self;
+    fn build(values: &Values) -> Result<Self, Refusal> {
         let elastic =
             NeoHookean { bulk: values.number("bulk-modulus"), shear: values.number("shear-modulus") };
         let (yield_stress, hardening) = (values.number("yield-stress"), values.number("hardening"));
-        Ok(J2 { elastic, yield_stress, hardening }.into())
+        Ok(Self { elastic, yield_stress, hardening })
     }
 }
 

@@ -1,8 +1,7 @@
 //! Compressible neo-Hookean elasticity.
-use super::AnyLaw;
 use crate::physics::acoustic::Stiffness;
 use crate::physics::law::{Energies, Events, Kinematics, Law, Reference, Response, Variable, inadmissible};
-use crate::physics::parameter::{Described, Dimension, Parameter, Values};
+use crate::physics::parameter::{Described, Dimension, Parameter, Refusal, Values};
 use crate::physics::tensor::{deviator_invariants, scaled, times_transpose, trace};
 use crate::simd::{Simd, math};
 
@@ -56,9 +55,9 @@ impl Described for NeoHookean {
         Parameter::positive("bulk-modulus", Dimension::Stress, "bulk modulus K"),
         Parameter::positive("shear-modulus", Dimension::Stress, "shear modulus μ"),
     ];
-    fn build(values: &Values) -> Result<AnyLaw, (&'static str, String)> {
-        let law = Self { bulk: values.number("bulk-modulus"), shear: values.number("shear-modulus") };
-        Ok(law.into())
+    type Built = Self;
+    fn build(values: &Values) -> Result<Self, Refusal> {
+        Ok(Self { bulk: values.number("bulk-modulus"), shear: values.number("shear-modulus") })
     }
 }
 
