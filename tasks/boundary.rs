@@ -2,15 +2,14 @@ use super::integrate::{change, mean_velocity};
 use super::work::Work;
 use crate::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
 use engine::graph::task::{At, Body};
-use grid::BLOCK;
-use grid::NODES;
-use scene::FaceCondition;
+use grid::{BLOCK, NODES};
+use physics::faces::{AnyFaceCondition, FaceCondition};
 use simd::Simd;
 
 /// Conditions on the faces of the domain, on all nodes at or beyond them, at the end of a material's step.
 pub struct Boundary {
     /// On x−, x+, y−, y+, z−, z+.
-    pub faces: [FaceCondition; 6],
+    pub faces: [AnyFaceCondition; 6],
     /// Cells of the level along each axis.
     pub cells: [usize; 3],
     /// Which materials are rigid: faces do not hold them.
@@ -29,19 +28,6 @@ impl Boundary {
         let axis = face / 2;
         if face.is_multiple_of(2) { node[axis] <= 0 } else { node[axis] >= self.cells[axis] as i32 }
     }
-
-    /// Change of velocity that the face asks for.
-    fn correction(&self, face: usize, time: f64, v: [f64; 3]) -> [f64; 3] {
-        match &self.faces[face] {
-            FaceCondition::Free => [0.0; 3],
-            FaceCondition::Fixed => v.map(|v| -v),
-            FaceCondition::Symmetric => std::array::from_fn(|a| if a == face / 2 { -v[a] } else { 0.0 }),
-            FaceCondition::Velocity(table) => {
-                let wanted = table.at(time);
-                std::array::from_fn(|a| wanted[a] - v[a])
-            }
-        }
-    }
 }
 
 impl Body for Boundary {
@@ -49,8 +35,7 @@ impl Body for Boundary {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let last = at.node.map(|n| n + BLOCK - 1);
         let reached = |face: &usize| {
-            self.faces[*face] != FaceCondition::Free
-                && (self.holds(*face, at.node) || self.holds(*face, last))
+            self.faces[*face].acts() && (self.holds(*face, at.node) || self.holds(*face, last))
         };
         if !(0..6).any(|face| reached(&face)) {
             return;
@@ -63,7 +48,7 @@ impl Body for Boundary {
                 let node = at.node_of(n);
                 for face in (0..6).filter(|&face| self.holds(face, node)) {
                     let v = [motion.0[0], motion.0[1], motion.0[2]];
-                    let dv = self.correction(face, time, v);
+                    let dv = self.faces[face].correction(face / 2, time, v);
                     change(motion, dv);
                     work.add(sum.0[0], mean_velocity(motion), dv);
                 }

@@ -3,11 +3,10 @@ use crate::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums};
 use crate::rigid::state::RigidState;
 use engine::data::exact_sum::ExactSum;
 use engine::graph::task::{At, Body};
-use grid::Lattice;
-use grid::NODES;
+use grid::{Lattice, NODES};
+use physics::contact::Contact as Touch;
 use physics::contact::surface::SurfaceTable;
-use physics::contact::{Exchange, Pair, bonded, dot, friction};
-use scene::{Contact as Touch, ContactLaw};
+use physics::contact::{ContactLaw, Exchange, Pair, dot};
 use simd::{Simd, Wide};
 
 /// Contact of pairs of materials at the nodes that they share. Listed twice in the recipe: for the interpolated and
@@ -166,13 +165,7 @@ impl Contact {
         // the internal force of a uniformly stressed surface is −σ Σ V ∇S
         let traction = (dot(b.force(), normal) - dot(a.force(), normal)) / area;
         let seen = Pair { relative, reduced_mass, normal, traction };
-        let exchange = match pair.law {
-            ContactLaw::Bonded => bonded::exchange(&seen),
-            ContactLaw::Friction { coefficient, criterion } => {
-                friction::exchange(&seen, coefficient, criterion)
-            }
-        };
-        Some((exchange, masses))
+        Some((pair.law.exchange(&seen), masses))
     }
 
     /// Gap between the surfaces near the node [cells], along the mean of the two unit normals: where edges of two bodies

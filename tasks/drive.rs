@@ -1,7 +1,7 @@
 use super::work::Work;
 use crate::labels::{BoundaryWork, DriveIndex, GridVelocity, Mass, OwnStep, Velocity, VelocityChange};
 use engine::graph::task::{At, Body};
-use scene::Table;
+use physics::table::Table;
 use simd::{LANES, Simd};
 
 /// Particles of a driven region move as the scene prescribes, whatever the nodes say.

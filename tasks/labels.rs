@@ -7,6 +7,7 @@ use engine::data::exact_sum::ExactSum;
 use engine::data::rates::{Clock, MaterialStep};
 use engine::schema::Life::{Carried, Step};
 use engine::schema::{Label, Rates, Roles, Schema, block, chunk, material, node, particle, run};
+use physics::law::{MAX_COUNTS, MAX_EVENTS};
 use shapes::{NodeRows, Stencil};
 use simd::Wide;
 
@@ -51,12 +52,12 @@ engine::labels! {
     SignalSpeed: [Wide; 3]    = material("m/s", "max over p of c + |v|, of c, of |v|").largest().lives(Carried);
     OwnStep: MaterialStep     = material("s", "the step of its own that a material is in").lives(Carried);
     Fault: Wide               = material("mixed", "first inadmissible particle: kind, identity, value").first();
-    FirstFailure: [Wide; 2]   = material("mixed", "time, identity, place of the first matrix and fiber failure").first();
+    FirstEvent: [Wide; MAX_EVENTS] = material("mixed", "time, identity, place of the first of each event that the law tells").first();
     RigidImpulse: [ExactSum; 6] = material("N s, N m s", "impulse and torque impulse on a rigid body").exact().lives(Carried);
     RigidMotion: RigidState   = material("mixed", "state of a rigid body").lives(Carried);
     MaterialEnergy: [ExactSum; 5] = material("J", "kinetic, strain, plastic, fracture, viscous").exact();
     MaterialMotion: [ExactSum; 10] = material("mixed", "m, m v (3), m x (3), m x cross v (3)").exact();
-    FailedCount: [ExactSum; 4] = material("1", "particles with failed matrix only, fibers only, both, inverted").exact();
+    StateCount: [ExactSum; MAX_COUNTS] = material("1", "particles in each state that the law counts").exact();
 
     Time: Clock               = run("s", "time, tick, and what limits it").lives(Carried);
     StepOver: Wide            = run("1", "1 where all materials are together again: the step is over").lives(Step);

@@ -1,10 +1,10 @@
 use crate::labels::{
-    Deformation, Fault, FirstFailure, History, Identity, InitialVolume, KirchhoffStress, OwnStep, Position,
+    Deformation, Fault, FirstEvent, History, Identity, InitialVolume, KirchhoffStress, OwnStep, Position,
     StiffnessBound, VelocityGradient, Volume,
 };
 use engine::data::reduction::earlier;
 use engine::graph::task::{At, Body};
-use physics::law::{Events, Kinematics, Law, MAX_HISTORY};
+use physics::law::{Events, Kinematics, Law, MAX_HISTORY, fits};
 use physics::tensor::{determinant, increment, multiply};
 use simd::{LANES, Mask, Simd, Wide, load, store};
 
@@ -22,7 +22,7 @@ engine::task! { Particles task Stress [L: Law] {
         stress: KirchhoffStress,
         stiffness: StiffnessBound,
         fault: Fault,
-        first: FirstFailure,
+        first: FirstEvent,
     }
     modifies { deformation: Deformation, history: History, volume: Volume }
 }}
@@ -38,6 +38,7 @@ pub mod fault {
 impl<L: Law> Body for Stress<L> {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        const { assert!(fits::<L>(), "a law that declares too much") };
         let dt = S::splat(io.step[0].size);
         let tiles = io.gradient.iter().zip(io.deformation.iter_mut()).zip(io.stress.iter_mut());
         let scalars = io.initial_volume.iter().zip(io.volume.iter_mut()).zip(io.stiffness.iter_mut());
@@ -70,12 +71,17 @@ impl<L: Law> Body for Stress<L> {
             store(&response.kirchhoff, tau);
             response.modulus.store(stiffness);
 
-            let Events { matrix_failed, fiber_failed, inverted, .. } = response.events;
+            let Events { own, inverted, .. } = response.events;
             let here = at.lanes(tile);
-            if (matrix_failed | fiber_failed | inverted) & here != 0 {
+            let mut some = inverted;
+            for event in 0..L::EVENTS.len() {
+                some |= own[event];
+            }
+            if some & here != 0 {
                 let who = Who { identity: &io.identity[tile], x: &io.position[tile], time: io.step[0].time };
-                who.fails(matrix_failed & here, &mut io.first[0][0]);
-                who.fails(fiber_failed & here, &mut io.first[0][1]);
+                for event in 0..L::EVENTS.len() {
+                    who.meet(own[event] & here, &mut io.first[0][event]);
+                }
                 who.is_at_fault(inverted & here, fault::INVERTED, kinematics.j, &mut io.fault[0]);
             }
         }
@@ -101,8 +107,9 @@ impl Who<'_> {
         self.identity.0[lane].to_bits() as f64
     }
 
+    /// Notes the first of them, if nothing earlier is known.
     #[inline(never)]
-    fn fails(&self, mask: Mask, first: &mut Wide) {
+    fn meet(&self, mask: Mask, first: &mut Wide) {
         for lane in Self::lanes(mask) {
             let [x, y, z] = self.x.map(|x| x.0[lane]);
             let line = Wide([self.time, self.identity(lane), x, y, z, 0.0, 0.0, 0.0]);

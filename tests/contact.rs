@@ -10,9 +10,11 @@ use engine::data::workspace::{Workspace, no_columns};
 use engine::graph::task::{At, Runnable};
 use engine::schema::{Label, LabelId};
 use grid::{BlockShape, Lattice, Level, NODES};
+use physics::contact::Contact as Touch;
+use physics::contact::bonded::Bonded;
+use physics::contact::friction::{Criterion, Friction};
 use physics::contact::surface::SurfaceTable;
-use physics::contact::{Pair, bonded, dot, friction};
-use scene::{Contact as Touch, ContactLaw, Criterion};
+use physics::contact::{AnyContactLaw, ContactLaw, Pair, dot};
 use simd::{Isa, Wide};
 use std::array::from_fn;
 use tasks::contact::Contact;
@@ -41,7 +43,7 @@ fn bonded_materials_move_as_one() {
     let mut random = Random(1);
     for _ in 0..1000 {
         let pair = pair(&mut random);
-        assert!(norm(after(&pair, &bonded::exchange(&pair))) < 1e-15);
+        assert!(norm(after(&pair, &Bonded.exchange(&pair))) < 1e-15);
     }
 }
 
@@ -51,7 +53,7 @@ fn friction_follows_coulomb_and_its_criterion() {
     for criterion in CRITERIA {
         for _ in 0..1000 {
             let (pair, mu) = (pair(&mut random), 2.0 * random.unit());
-            let exchange = friction::exchange(&pair, mu, criterion);
+            let exchange = Friction { coefficient: mu, criterion }.exchange(&pair);
             let (approach, compressed) = (dot(pair.relative, pair.normal), pair.traction < 0.0);
             let acts = match criterion {
                 Criterion::Approach => approach > 0.0,
@@ -72,7 +74,7 @@ fn friction_follows_coulomb_and_its_criterion() {
                 sticks || across > mu * normal * (1.0 - 1e-14),
                 "what slips is held as far as friction goes"
             );
-            let smooth = friction::exchange(&pair, 0.0, criterion);
+            let smooth = Friction { coefficient: 0.0, criterion }.exchange(&pair);
             assert_eq!(
                 smooth.friction.map(f64::abs),
                 [0.0; 3],
@@ -148,8 +150,8 @@ impl Nodes {
 fn every_node_keeps_its_momentum_whoever_meets_there() {
     let lattice = Lattice { lower: [0.0; 3], cell: 0.1 };
     let mut random = Random(3);
-    let friction = |criterion| ContactLaw::Friction { coefficient: 0.4, criterion };
-    for law in [ContactLaw::Bonded, friction(CRITERIA[0]), friction(CRITERIA[1]), friction(CRITERIA[2])] {
+    let friction = |criterion| AnyContactLaw::from(Friction { coefficient: 0.4, criterion });
+    for law in [Bonded.into(), friction(CRITERIA[0]), friction(CRITERIA[1]), friction(CRITERIA[2])] {
         for materials in [2, 3] {
             let pairs: &[[usize; 2]] = if materials == 2 { &[[0, 1]] } else { &[[0, 1], [0, 2], [1, 2]] };
             let task = Contact {

@@ -101,6 +101,27 @@ fn each_crate_depends_on_what_it_may_know_alone() {
     }
 }
 
+/// Tasks see numbers and laws; what a scene says reaches them through the recipe.
+#[test]
+fn only_recipes_among_the_tasks_read_scenes() {
+    for (file, text) in sources(&["tasks"]).iter().filter(|(file, _)| !file.starts_with("tasks/recipes/")) {
+        let found = code(text).find(|(_, line)| words(line).any(|word| word == "scene"));
+        assert_eq!(found, None, "{file}");
+    }
+}
+
+/// Laws, contact laws and conditions on faces are known by their registries alone. (Other fields use some of the words.)
+#[test]
+fn the_reader_of_scenes_names_nothing_that_has_a_registry() {
+    use physics::{contact, faces, materials};
+    let laws = materials::LAWS.iter().map(|law| law.name);
+    let names =
+        laws.chain(contact::LAWS.iter().map(|law| law.name)).chain(faces::CONDITIONS.iter().map(|c| c.name));
+    let quoted: Vec<_> =
+        names.filter(|name| !["free", "velocity"].contains(name)).map(|name| format!("\"{name}\"")).collect();
+    without_text(&["src/input"], &quoted.iter().map(String::as_str).collect::<Vec<_>>(), "-");
+}
+
 #[test]
 fn the_engine_knows_no_label_no_law_and_no_material_by_name() {
     let labels = tasks::labels::SCHEMA.labels().map(|label| label.name());
@@ -126,6 +147,13 @@ fn the_engine_knows_no_label_no_law_and_no_material_by_name() {
             assert_eq!(found, None, "{file}:{}: {line}", number + 1);
         }
     }
+}
+
+/// What one law alone means by its history, events and counts is in that law's files, and where files name it.
+#[test]
+fn what_runs_a_law_knows_no_law() {
+    let tissue = ["tissue", "fiber", "fibers", "failed", "failure", "failures", "fails", "crushed"];
+    without(&["tasks", "src/engine"], &tissue);
 }
 
 /// What the engine offers and a task may not use: a body has its `Io` alone.

@@ -1,5 +1,6 @@
 //! Pictures of a made wound. `SINEW_PICTURES=DIR cargo test --test output_picture` keeps them to be looked at.
 #![allow(clippy::unwrap_used, missing_docs)]
+use physics::faces::free::Free;
 use scene::geometry::Solid;
 use scene::*;
 use sinew::lab::picture::{Canvas, Coloring, exit_face, section};
@@ -43,7 +44,7 @@ fn scene() -> Scene {
         materials: vec![rigid("myocardium"), rigid("lead")],
         bodies: vec![body(0), body(1)],
         contacts: vec![],
-        faces: std::array::from_fn(|_| FaceCondition::Free),
+        faces: std::array::from_fn(|_| Free.into()),
         drives: vec![],
         gravity: [0.0; 3],
         damping: 0.0,

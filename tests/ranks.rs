@@ -55,7 +55,7 @@ fn check(results: &[Result<(u64, Report), RunError>], wanted: &(u64, Report)) ->
         let numbers = |r: &Report| -> Vec<_> {
             r.materials
                 .iter()
-                .map(|m| (m.energies, m.momentum, m.center, m.failed, m.first_failure))
+                .map(|m| (m.energies, m.momentum, m.center, m.counts.clone(), m.first.clone()))
                 .collect()
         };
         let sums = |r: &Report| {

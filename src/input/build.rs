@@ -1,10 +1,11 @@
 //! From a completed document to a [`Scene`]: names become indices, tables become types.
-use super::document::Node;
+use super::choose;
+use super::document::{Node, dotted};
 use super::error::{Fault, Outcome, suggestion};
 use super::fields::{FACES, RIGID};
 use super::shapes::{solid, unit_vector};
-use physics::materials::LAWS;
-use physics::parameter::{Kind, Values};
+use physics::faces::AnyFaceCondition;
+use physics::{contact, faces, materials};
 use scene::geometry::dot;
 use scene::*;
 
@@ -35,7 +36,7 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
         domain,
         bodies: collect(root.get("body"), |node| body(node, &materials))?,
         contacts: contacts(root.get("contact"), &materials)?,
-        faces: FACES.map(|face| face_condition(root.get("boundary").get(face))),
+        faces: face_conditions(root.get("boundary"))?,
         drives: collect(root.get("drive"), |node| drive(node, &materials))?,
         gravity: load.get("gravity").vector(),
         damping: load.get("damping").number(),
@@ -86,23 +87,8 @@ fn domain(given: &Node) -> Outcome<Domain> {
 }
 
 fn material(name: &str, given: &Node) -> Outcome<Material> {
-    let behavior = match LAWS.iter().find(|entry| entry.name == given.get("law").word()) {
-        Some(entry) => {
-            let mut values = Values::default();
-            for parameter in entry.parameters {
-                let value = given.get(parameter.key);
-                match parameter.kind {
-                    Kind::Number { .. } => drop(values.numbers.insert(parameter.key, value.number())),
-                    Kind::Choice(_) => drop(values.choices.insert(parameter.key, value.word().to_owned())),
-                    Kind::Flag(_) => drop(values.flags.insert(parameter.key, value.flag())),
-                }
-            }
-            let law = (entry.build)(&values);
-            Behavior::Deformable(law.map_err(|(key, message)| {
-                let place = given.find(key).unwrap_or(given).place;
-                Fault::new(place, format!("`material.{name}.{key}`: {message}"))
-            })?)
-        }
+    let behavior = match choose::entry(materials::LAWS, given.get("law").word()) {
+        Some(entry) => Behavior::Deformable(choose::build(entry, given, &dotted("material", name))?),
         None => Behavior::Rigid(rigid_motion(name, given)?),
     };
     Ok(Material { name: name.to_owned(), density: given.get("density").number(), behavior })
@@ -119,21 +105,9 @@ fn rigid_motion(name: &str, given: &Node) -> Outcome<RigidMotion> {
                 .help("give the velocity at the start to the body, or set `motion = \"prescribed\"`"))
         }
         (_, velocity) => {
-            let velocity = velocity.map_or_else(|| Table(vec![(0.0, [0.0; 3])]), table);
+            let velocity = velocity.map_or_else(|| Table(vec![(0.0, [0.0; 3])]), choose::motion);
             Ok(RigidMotion::Prescribed { velocity, angular_velocity })
         }
-    }
-}
-
-/// A velocity in time, from a vector or from rows.
-fn table(given: &Node) -> Table {
-    let row = |row: &Node| {
-        let [t, x, y, z] = row.vector();
-        (t, [x, y, z])
-    };
-    match given.items().first() {
-        Some(first) if !first.items().is_empty() => Table(given.items().iter().map(row).collect()),
-        _ => Table(vec![(0.0, given.vector())]),
     }
 }
 
@@ -189,8 +163,8 @@ fn fibers(given: &Node) -> Outcome<FiberField> {
 
 fn contacts(given: &Node, materials: &[Material]) -> Outcome<Vec<Contact>> {
     let mut contacts: Vec<Contact> = Vec::new();
-    for node in given.items() {
-        let contact = contact(node, materials)?;
+    for (i, node) in given.items().iter().enumerate() {
+        let contact = contact(node, materials, &dotted("contact", &i.to_string()))?;
         if contacts.iter().any(|other| other.between == contact.between) {
             let [a, b] = contact.between.map(|index| &materials[index].name);
             let message = format!("the contact between {a:?} and {b:?} is described twice");
@@ -201,7 +175,7 @@ fn contacts(given: &Node, materials: &[Material]) -> Outcome<Vec<Contact>> {
     Ok(contacts)
 }
 
-fn contact(given: &Node, materials: &[Material]) -> Outcome<Contact> {
+fn contact(given: &Node, materials: &[Material], path: &str) -> Outcome<Contact> {
     let between = given.get("between");
     let mut pair = [0; 2];
     for (index, name) in pair.iter_mut().zip(between.items()) {
@@ -214,34 +188,22 @@ fn contact(given: &Node, materials: &[Material]) -> Outcome<Contact> {
         return Err(Fault::new(between.place, message).help(help));
     }
     pair.sort_unstable();
-    let law = match given.find("friction") {
-        None => ContactLaw::Bonded,
-        Some(friction) => ContactLaw::Friction {
-            coefficient: friction.number(),
-            criterion: match given.get("criterion").word() {
-                "approach" => Criterion::Approach,
-                "approach-or-compression" => Criterion::ApproachOrCompression,
-                _ => Criterion::ApproachAndCompression,
-            },
-        },
-    };
+    let law = choose::tagged(contact::LAWS, "law", given, path)?;
     Ok(Contact { between: pair, law, gap: given.get("gap").number() })
 }
 
-fn face_condition(given: &Node) -> FaceCondition {
-    match (given.case(), given.word()) {
-        (Some((_, velocity)), _) => FaceCondition::Velocity(table(velocity)),
-        (None, "fixed") => FaceCondition::Fixed,
-        (None, "symmetric") => FaceCondition::Symmetric,
-        (None, _) => FaceCondition::Free,
-    }
+/// Of the faces in the order of `Scene::faces`.
+fn face_conditions(given: &Node) -> Outcome<[AnyFaceCondition; 6]> {
+    let condition = |face| choose::either(faces::CONDITIONS, given.get(face), &dotted("boundary", face));
+    let [a, b, c, d, e, f] = FACES.map(condition);
+    Ok([a?, b?, c?, d?, e?, f?])
 }
 
 fn drive(given: &Node, materials: &[Material]) -> Outcome<Drive> {
     Ok(Drive {
         material: material_index(given.get("material"), materials)?,
         region: solid(given.get("region"))?,
-        velocity: table(given.get("velocity")),
+        velocity: choose::motion(given.get("velocity")),
     })
 }
 

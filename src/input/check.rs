@@ -1,8 +1,9 @@
 //! Completes a document by its description: every value checked and turned into SI, every default filled in, nothing
 //! left that is not described. What comes out is read without further questions about its form.
-use super::document::{Data, Entry, Node, Place, dotted};
+use super::document::{Data, Entry, Node, dotted};
 use super::error::{Fault, Outcome, listing, suggestion};
-use super::form::{Absent, Counts, Field, Form, Range, most_threads};
+use super::form::{Absent, Case, Counts, Field, Form, Range, most_threads};
+use super::source::Place;
 use super::units;
 use physics::parameter::Dimension;
 use std::fmt::Display;
@@ -34,6 +35,10 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
         }
         (Form::Motion, Data::List(items)) => motion(items, node.place, path)?,
         (Form::Table(fields), Data::Table(entries)) => table(entries, fields, node.place, path)?,
+        (Form::Parameters(parameters), Data::Table(entries)) => {
+            let fields: Vec<_> = parameters.iter().map(Field::from).collect();
+            table(entries, &fields, node.place, path)?
+        }
         (Form::List(form), Data::List(items)) => list(items, form, path)?,
         (Form::Named(form), Data::Table(entries)) => Data::Table(
             entries
@@ -46,25 +51,13 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
                 })
                 .collect::<Outcome<_>>()?,
         ),
-        (Form::Either { words, .. }, Data::Text(text)) if !words.is_empty() => {
-            Data::Text(choice(text, words, node.place, path)?)
+        (Form::One(cases), Data::Table(entries)) => one(entries, cases, node.place, path)?,
+        (Form::Either(options), Data::Text(text)) => {
+            Data::Text(choice(text, &options().words(), node.place, path)?)
         }
-        (Form::Either { cases, .. }, Data::Table(entries)) => either(entries, cases, node.place, path)?,
+        (Form::Either(options), Data::Table(entries)) => one(entries, &options().cases, node.place, path)?,
         (Form::Tagged { tag, common, cases }, Data::Table(entries)) => {
-            let cases = cases();
-            let known: Vec<_> = cases.iter().map(|case| case.word).collect();
-            let given = entries.iter().find(|entry| entry.key == *tag);
-            let word = match given.map(|entry| &entry.node) {
-                Some(Node { data: Data::Text(word), place, .. }) => {
-                    choice(word, &known, *place, &dotted(path, tag))?
-                }
-                Some(other) => return Err(wrong_type(other, &Form::Text, &dotted(path, tag))),
-                None => {
-                    return Err(missing(tag, path, node.place).help(format!("one of {}", listing(&known))));
-                }
-            };
-            let extra = cases.into_iter().find(|case| case.word == word).map(|case| case.fields);
-            let fields: Vec<_> = common.iter().copied().chain(extra.unwrap_or_default()).collect();
+            let fields = tagged(entries, (tag, common, cases()), node.place, path)?;
             table(entries, &fields, node.place, path)?
         }
         (Form::Other(form), _) => return complete(node, form, path),
@@ -73,17 +66,40 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
     Ok(Node { data, ..*node })
 }
 
+/// The fields that go with the word of a table's tag.
+fn tagged(
+    entries: &[Entry],
+    (tag, common, cases): (&str, &[Field], Vec<Case>),
+    place: Place,
+    path: &str,
+) -> Outcome<Vec<Field>> {
+    let known: Vec<_> = cases.iter().map(|case| case.word).collect();
+    let given = entries.iter().find(|entry| entry.key == tag);
+    let word = match given.map(|entry| &entry.node) {
+        Some(Node { data: Data::Text(word), place, .. }) => choice(word, &known, *place, &dotted(path, tag))?,
+        Some(other) => return Err(wrong_type(other, &Form::Text, &dotted(path, tag))),
+        None => return Err(missing(tag, path, place).help(format!("one of {}", listing(&known)))),
+    };
+    let extra = cases.into_iter().find(|case| case.word == word).map(|case| case.fields);
+    Ok(common.iter().copied().chain(extra.unwrap_or_default()).collect())
+}
+
 fn wrong_type(node: &Node, form: &Form, path: &str) -> Fault {
     let found = match &node.data {
         Data::List(items) => format!("an array of {}", items.len()),
         other => other.kind().to_owned(),
     };
     let fault = Fault::new(node.place, format!("`{path}` must be {}, not {found}", form.name()));
+    let one_of = |words: &[&str], cases: &[Field]| {
+        let keys = cases.iter().map(|case| format!("{{ {} = ... }}", case.key));
+        let all: Vec<_> = words.iter().map(|word| format!("{word:?}")).chain(keys).collect();
+        format!("one of {}", listing(&all))
+    };
     match form {
-        Form::Either { words, cases } => {
-            let keys: Vec<_> = cases.iter().map(|case| format!("{{ {} = ... }}", case.key)).collect();
-            let words: Vec<_> = words.iter().map(|word| format!("{word:?}")).chain(keys).collect();
-            fault.help(format!("one of {}", listing(&words)))
+        Form::One(cases) => fault.help(one_of(&[], cases)),
+        Form::Either(options) => {
+            let options = options();
+            fault.help(one_of(&options.words(), &options.cases))
         }
         Form::Vector(dimension, _) if *dimension != Dimension::One => fault.help(format!(
             "each in {} or a string with a unit, such as \"1 {}\"",
@@ -218,7 +234,8 @@ fn table(entries: &[Entry], fields: &[Field], place: Place, path: &str) -> Outco
     Ok(Data::Table(complete_entries))
 }
 
-fn either(entries: &[Entry], cases: &[Field], place: Place, path: &str) -> Outcome<Data> {
+/// A table with exactly one of the keys.
+fn one(entries: &[Entry], cases: &[Field], place: Place, path: &str) -> Outcome<Data> {
     let keys = || cases.iter().map(|case| case.key);
     if let Some(entry) = entries.iter().find(|entry| !keys().any(|key| key == entry.key)) {
         let fault = Fault::new(entry.place, format!("unknown key `{}`", dotted(path, &entry.key)));

@@ -1,36 +1,10 @@
 //! A TOML document that remembers where each value was written, in the file or on the command line.
 use super::error::{Fault, Outcome, suggestion};
+use super::source::{Place, Source};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-
-/// A text that values come from: source 0 is the scene file, the others are overrides `key=value`.
-pub(super) struct Source {
-    pub name: String,
-    pub text: String,
-}
-
-impl Source {
-    /// The 1-based line of a byte.
-    pub fn line(&self, byte: usize) -> usize {
-        1 + self.text.bytes().take(byte).filter(|&b| b == b'\n').count()
-    }
-}
-
-/// A range of bytes in a source.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Place {
-    pub source: usize,
-    pub start: usize,
-    pub end: usize,
-}
-
-impl Place {
-    fn new(source: usize, span: Range<usize>) -> Self {
-        Self { source, start: span.start, end: span.end }
-    }
-}
 
 /// A value and where it was written; a default has the place of the table that does not give it.
 #[derive(Clone, Debug)]

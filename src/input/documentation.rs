@@ -1,6 +1,6 @@
 //! `docs/SCENE.md`, written from the same descriptions that scenes are checked by.
-use super::fields::SCENE;
-use super::form::{Absent, Field, Form, THREADS, THREADS_A_CORE};
+use super::fields::{FACE, SCENE};
+use super::form::{Absent, Field, Form, Options, THREADS, THREADS_A_CORE};
 use super::shapes::SHAPE;
 use super::units;
 use physics::parameter::Dimension;
@@ -38,6 +38,12 @@ pub fn documentation() -> String {
         };
         page.section(2, &heading, field.meaning, &field.form);
     }
+    page.section(
+        2,
+        "face",
+        "What holds on a face of the domain: one of these words, or a table with one key.",
+        &FACE,
+    );
     page.section(2, "shape", "A shape is a table with exactly one of these keys.", &SHAPE);
     page.line("## An example\n");
     page.line(&format!("```toml\n{EXAMPLE}```"));
@@ -77,13 +83,22 @@ impl Page {
                 self.fields(fields);
                 self.nested(depth, name, fields);
             }
-            Form::Either { cases, .. } => {
-                self.cases(cases);
-                self.nested(depth, name, cases);
+            Form::Parameters(parameters) => {
+                self.fields(&parameters.iter().map(Field::from).collect::<Vec<_>>())
+            }
+            Form::One(cases) => self.options(depth, name, &[], cases),
+            Form::Either(options) => {
+                let Options { words, cases } = options();
+                self.options(depth, name, &words, &cases);
             }
             Form::Tagged { tag, common, cases } => {
-                self.fields(common);
-                for case in cases() {
+                let cases = cases();
+                let words: Vec<_> = cases.iter().map(|case| case.word).collect();
+                self.rows(common, |field| match field.key == *tag {
+                    true => quoted(&words).join(", "),
+                    false => accepts(&field.form),
+                });
+                for case in cases {
                     let level = "#".repeat(depth + 1);
                     self.line(&format!(
                         "{level} `{name}` with `{tag} = \"{}\"`\n\n{}\n",
@@ -103,24 +118,32 @@ impl Page {
         }
     }
 
-    /// Keys of which a table has exactly one.
-    fn cases(&mut self, cases: &[Field]) {
+    /// Words of which one is given, or keys of which a table has exactly one.
+    fn options(&mut self, depth: usize, name: &str, words: &[(&str, &str)], cases: &[Field]) {
         self.row(&["One of", "Meaning", "Accepts"]);
         self.row(&["---", "---", "---"]);
+        for (word, meaning) in words {
+            self.row(&[&format!("`\"{word}\"`"), meaning, "the word alone"]);
+        }
         for case in cases {
             self.row(&[&format!("`{}`", case.key), case.meaning, &accepts(&case.form)]);
         }
         self.line("");
+        self.nested(depth, name, cases);
     }
 
     fn fields(&mut self, fields: &[Field]) {
+        self.rows(fields, |field| accepts(&field.form));
+    }
+
+    fn rows(&mut self, fields: &[Field], accepts: impl Fn(&Field) -> String) {
         if fields.is_empty() {
             return;
         }
         self.row(&["Key", "Meaning", "Accepts", "Default"]);
         self.row(&["---", "---", "---", "---"]);
         for field in fields {
-            self.row(&[&format!("`{}`", field.key), field.meaning, &accepts(&field.form), &default(field)]);
+            self.row(&[&format!("`{}`", field.key), field.meaning, &accepts(field), &default(field)]);
         }
         self.line("");
     }
@@ -128,14 +151,21 @@ impl Page {
 
 fn has_section(form: &Form) -> bool {
     match form {
-        Form::Table(_) | Form::Tagged { .. } => true,
-        Form::Either { cases, .. } => cases.iter().any(|case| has_section(&case.form)),
+        Form::Table(_) | Form::Parameters(_) | Form::Tagged { .. } => true,
+        Form::One(cases) => cases.iter().any(|case| has_section(&case.form)),
         _ => false,
     }
 }
 
+fn quoted(words: &[&str]) -> Vec<String> {
+    words.iter().map(|word| format!("`\"{word}\"`")).collect()
+}
+
+fn keyed(cases: &[Field]) -> Vec<String> {
+    cases.iter().map(|case| format!("`{{ {} = ... }}`", case.key)).collect()
+}
+
 fn accepts(form: &Form) -> String {
-    let quoted = |words: &[&str]| words.iter().map(|word| format!("`\"{word}\"`")).collect::<Vec<_>>();
     match form {
         Form::Number(range) => {
             let mut text = with_unit(units::name(range.dimension), range.dimension);
@@ -155,9 +185,10 @@ fn accepts(form: &Form) -> String {
         Form::List(form) if std::ptr::eq(*form, &SHAPE) => "shapes".into(),
         Form::List(_) => "tables".into(),
         Form::Named(_) => "named tables".into(),
-        Form::Either { words, cases } => {
-            let cases = cases.iter().map(|case| format!("`{{ {} = ... }}`", case.key));
-            quoted(words).into_iter().chain(cases).collect::<Vec<_>>().join(", ")
+        Form::One(cases) => keyed(cases).join(", "),
+        Form::Either(options) => {
+            let options = options();
+            [quoted(&options.words()), keyed(&options.cases)].concat().join(", ")
         }
         Form::Other(form) if std::ptr::eq(*form, &SHAPE) => "a [shape](#shape)".into(),
         Form::Other(form) => accepts(form),

@@ -1,5 +1,5 @@
 //! What is wrong with a scene, where, and what to do about it.
-use super::document::{Place, Source};
+use super::source::{Place, Source};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use std::fmt::{self, Display};
 

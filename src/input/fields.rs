@@ -1,10 +1,12 @@
 //! Every field of a scene. Checks, defaults and `docs/SCENE.md` come from here.
-use super::form::{Absent, Case, Counts, Field, Form, Range, any, count_from, not_negative, positive};
+use super::form::{
+    Absent, Case, Counts, Field, Form, Options, Range, any, count_from, not_negative, positive,
+};
 use super::shapes::SHAPE;
-use physics::materials::LAWS;
 use physics::parameter::Dimension::{
     Acceleration, Angle, AngularVelocity, Density, Length, One, Rate, Time, Velocity,
 };
+use physics::{contact, faces, materials};
 
 const ZERO: Absent = Absent::Vector([0.0; 3]);
 const POINT: Form = Form::Vector(Length, 3);
@@ -88,17 +90,12 @@ static RIGID_FIELDS: &[Field] = &[
 ];
 
 fn laws() -> Vec<Case> {
-    let law = |entry: &physics::materials::Entry| Case {
-        word: entry.name,
-        summary: entry.summary,
-        fields: entry.parameters.iter().map(Field::from).collect(),
-    };
     let rigid = Case {
         word: RIGID,
         summary: "Does not deform. All bodies of the material form one rigid body.",
         fields: RIGID_FIELDS.to_vec(),
     };
-    LAWS.iter().map(law).chain([rigid]).collect()
+    materials::LAWS.iter().map(Case::from).chain([rigid]).collect()
 }
 
 static BODY: &[Field] = &[
@@ -121,42 +118,31 @@ static BODY: &[Field] = &[
     ),
 ];
 
-const FIBERS: Form = Form::Either {
-    words: &[],
-    cases: &[
-        Field::optional("uniform", DIRECTION, "The same direction everywhere."),
-        Field::optional(
-            "turning",
-            Form::Table(&[
-                Field::required(
-                    "start",
-                    DIRECTION,
-                    "Direction at the plane `from`, perpendicular to `axis`.",
-                ),
-                Field::required("axis", DIRECTION, "Normal of the planes, about which the fibers turn."),
-                Field::required(
-                    "from",
-                    any(Length),
-                    "Where the turn starts: the plane where axis · x is this.",
-                ),
-                Field::required("to", any(Length), "Where the turn ends."),
-                Field::required(
-                    "angle",
-                    any(Angle),
-                    "Angle between the two planes, right-handed about the axis, linear in \
+const FIBERS: Form = Form::One(&[
+    Field::optional("uniform", DIRECTION, "The same direction everywhere."),
+    Field::optional(
+        "turning",
+        Form::Table(&[
+            Field::required("start", DIRECTION, "Direction at the plane `from`, perpendicular to `axis`."),
+            Field::required("axis", DIRECTION, "Normal of the planes, about which the fibers turn."),
+            Field::required("from", any(Length), "Where the turn starts: the plane where axis · x is this."),
+            Field::required("to", any(Length), "Where the turn ends."),
+            Field::required(
+                "angle",
+                any(Angle),
+                "Angle between the two planes, right-handed about the axis, linear in \
                 between and beyond.",
-                ),
-            ]),
-            "A direction that turns through the thickness.",
-        ),
-    ],
-};
+            ),
+        ]),
+        "A direction that turns through the thickness.",
+    ),
+]);
 
 static CONTACT: Form = Form::Tagged {
     tag: "law",
     common: &[
         Field::required("between", Form::Pair, "The two materials."),
-        Field::required("law", Form::Text, "\"friction\" or \"bonded\"."),
+        Field::required("law", Form::Text, "How they touch."),
         Field::with_default(
             "gap",
             not_negative(One),
@@ -168,26 +154,8 @@ static CONTACT: Form = Form::Tagged {
     cases: contact_laws,
 };
 
-static FRICTION_FIELDS: &[Field] = &[
-    Field::required("friction", not_negative(One), "Coefficient of friction."),
-    Field::with_default(
-        "criterion",
-        Form::Choice(&["approach", "approach-or-compression", "approach-and-compression"]),
-        Absent::Word("approach"),
-        "When contact acts: while the surfaces approach, while they approach or the normal traction is compressive, or \
-        while both hold.",
-    ),
-];
-
 fn contact_laws() -> Vec<Case> {
-    vec![
-        Case {
-            word: "friction",
-            summary: "Coulomb friction with free separation.",
-            fields: FRICTION_FIELDS.to_vec(),
-        },
-        Case { word: "bonded", summary: "One velocity for both materials.", fields: vec![] },
-    ]
+    contact::LAWS.iter().map(Case::from).collect()
 }
 
 /// Keys of the faces in the order of `Scene::faces`.
@@ -202,13 +170,11 @@ static BOUNDARY: &[Field] = &[
     face(FACES[5], "Upper z face."),
 ];
 
-static FACE: Form = Form::Either {
-    words: &["free", "fixed", "symmetric"],
-    cases: &[Field::optional("velocity", Form::Motion, "Matter at the face moves like this.")],
-};
+/// A condition on a face.
+pub(super) static FACE: Form = Form::Either(|| Options::of(faces::CONDITIONS));
 
 const fn face(key: &'static str, meaning: &'static str) -> Field {
-    Field::with_default(key, Form::Other(&FACE), Absent::Word("free"), meaning)
+    Field::with_default(key, Form::Other(&FACE), Absent::Word(faces::CONDITIONS[0].name), meaning)
 }
 
 static DRIVE: &[Field] = &[

@@ -1,5 +1,5 @@
 //! What a scene may say, as data: from one description of a field come its checks, its default and its documentation.
-use physics::parameter::{Dimension, Kind, Parameter};
+use physics::parameter::{Dimension, Entry, Kind, Parameter};
 
 /// A key of a table.
 #[derive(Clone, Copy)]
@@ -58,11 +58,12 @@ pub(super) enum Form {
     List(&'static Form),
     /// Tables with names that the scene chooses.
     Named(&'static Form),
-    /// A word, or a table with exactly one of the keys.
-    Either {
-        words: &'static [&'static str],
-        cases: &'static [Field],
-    },
+    /// A table with these parameters.
+    Parameters(&'static [Parameter]),
+    /// A table with exactly one of the keys.
+    One(&'static [Field]),
+    /// A word, or a table with exactly one key.
+    Either(fn() -> Options),
     /// A table with further keys that depend on the word of one of them.
     Tagged {
         tag: &'static str,
@@ -97,6 +98,46 @@ pub(super) struct Case {
     pub fields: Vec<Field>,
 }
 
+impl<T> From<&Entry<T>> for Case {
+    fn from(entry: &Entry<T>) -> Self {
+        let fields = entry.parameters.iter().map(Field::from).collect();
+        Self { word: entry.name, summary: entry.summary, fields }
+    }
+}
+
+/// What may be chosen: words with what they mean, and keys.
+#[derive(Default)]
+pub(super) struct Options {
+    pub words: Vec<(&'static str, &'static str)>,
+    pub cases: Vec<Field>,
+}
+
+impl Options {
+    /// The entries of a registry: one without parameters is a word, the others are keys of a table.
+    pub fn of<T>(entries: &[Entry<T>]) -> Self {
+        let mut options = Self::default();
+        for entry in entries {
+            let (key, meaning) = (entry.name, entry.summary);
+            match (entry.parameters, sole(entry)) {
+                ([], _) => options.words.push((key, meaning)),
+                (_, Some(only)) => options.cases.push(Field { meaning, ..Field::from(only) }),
+                (all, None) => options.cases.push(Field::required(key, Form::Parameters(all), meaning)),
+            }
+        }
+        options
+    }
+
+    /// The words without their meaning.
+    pub fn words(&self) -> Vec<&'static str> {
+        self.words.iter().map(|(word, _)| *word).collect()
+    }
+}
+
+/// The only parameter of an entry, if it is called like the entry: `{ name = value }` says all.
+pub(super) fn sole<T>(entry: &Entry<T>) -> Option<&'static Parameter> {
+    entry.parameters.first().filter(|first| entry.parameters.len() == 1 && first.key == entry.name)
+}
+
 impl Field {
     pub const fn required(key: &'static str, form: Form, meaning: &'static str) -> Self {
         Self { key, form, absent: Absent::Refused, meaning }
@@ -120,6 +161,7 @@ impl From<&Parameter> for Field {
                 (Form::Choice(words), words.first().map_or(Absent::Refused, |word| Absent::Word(word)))
             }
             Kind::Flag(default) => (Form::Flag, Absent::Flag(default)),
+            Kind::Motion => (Form::Motion, Absent::Refused),
         };
         Self { key: parameter.key, form, absent, meaning: parameter.meaning }
     }
@@ -207,10 +249,10 @@ impl Form {
             Form::Pair => "an array of the names of two materials".into(),
             Form::Vector(_, length) => format!("an array of {length} numbers"),
             Form::Motion => "a vector or an array of rows [time, x, y, z]".into(),
-            Form::Table(_) | Form::Named(_) | Form::Tagged { .. } => "a table".into(),
+            Form::Table(_) | Form::Parameters(_) | Form::Named(_) | Form::Tagged { .. } => "a table".into(),
             Form::List(_) => "an array".into(),
-            Form::Either { words: [], .. } => "a table with one key".into(),
-            Form::Either { .. } => "a word or a table with one key".into(),
+            Form::One(_) => "a table with one key".into(),
+            Form::Either(_) => "a word or a table with one key".into(),
             Form::Other(form) => form.name(),
         }
     }

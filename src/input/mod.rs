@@ -1,6 +1,7 @@
 //! Scene files: TOML as written, read into a validated [`Scene`](scene::Scene) in SI units.
 mod build;
 mod check;
+mod choose;
 mod document;
 mod documentation;
 mod error;
@@ -9,6 +10,7 @@ mod form;
 pub mod identity;
 mod read;
 mod shapes;
+mod source;
 pub mod units;
 mod validate;
 

@@ -1,8 +1,9 @@
 //! Reads scene files.
-use super::document::{self, Data, Entry, Node, Source, parse};
+use super::document::{self, Data, Entry, Node, parse};
 use super::error::{Outcome, SceneError};
 use super::fields::SCENE;
 use super::form::Form;
+use super::source::Source;
 use super::{build, check, validate};
 use scene::Scene;
 use std::path::Path;

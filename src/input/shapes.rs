@@ -9,88 +9,85 @@ const POINT: Form = Form::Vector(Length, 3);
 const DIRECTION: Form = Form::Vector(One, 3);
 
 /// A solid: a table with one key, which says what it is.
-pub(super) static SHAPE: Form = Form::Either {
-    words: &[],
-    cases: &[
-        Field::optional(
-            "box",
-            Form::Table(&[
-                Field::required("lower", POINT, "Lower corner."),
-                Field::required("upper", POINT, "Upper corner, above the lower one in every direction."),
-            ]),
-            "A box along the axes.",
-        ),
-        Field::optional(
-            "sphere",
-            Form::Table(&[
-                Field::required("center", POINT, "Center."),
-                Field::required("radius", positive(Length), "Radius."),
-            ]),
-            "A ball.",
-        ),
-        Field::optional(
-            "cylinder",
-            Form::Table(&[
-                Field::required("start", POINT, "Center of the first end."),
-                Field::required("end", POINT, "Center of the second end."),
-                Field::required("radius", positive(Length), "Radius."),
-            ]),
-            "A cylinder with flat ends.",
-        ),
-        Field::optional(
-            "cone",
-            Form::Table(&[
-                Field::required("start", POINT, "Center of the first end."),
-                Field::required("end", POINT, "Center of the second end."),
-                Field::required("start-radius", not_negative(Length), "Radius at the first end."),
-                Field::required("end-radius", not_negative(Length), "Radius at the second end."),
-            ]),
-            "A cone, or a frustum of one.",
-        ),
-        Field::optional(
-            "capsule",
-            Form::Table(&[
-                Field::required("start", POINT, "Center of the first round end."),
-                Field::required("end", POINT, "Center of the second round end."),
-                Field::required("radius", positive(Length), "Radius."),
-            ]),
-            "A cylinder with a half ball on each end.",
-        ),
-        Field::optional(
-            "half-space",
-            Form::Table(&[
-                Field::required("point", POINT, "A point of the plane."),
-                Field::required("normal", DIRECTION, "Direction out of the solid."),
-            ]),
-            "All points behind a plane; for bodies, only inside an intersection with something bounded.",
-        ),
-        Field::optional("union", Form::List(&SHAPE), "What lies in any of the shapes."),
-        Field::optional("intersection", Form::List(&SHAPE), "What lies in all of the shapes."),
-        Field::optional(
-            "difference",
-            Form::List(&SHAPE),
-            "What lies in the first shape and in none of the others.",
-        ),
-        Field::optional(
-            "translate",
-            Form::Table(&[
-                Field::required("by", POINT, "How far."),
-                Field::required("shape", Form::Other(&SHAPE), "What is moved."),
-            ]),
-            "A shape, moved.",
-        ),
-        Field::optional(
-            "rotate",
-            Form::Table(&[
-                Field::required("axis", DIRECTION, "Axis of the turn."),
-                Field::required("angle", any(Angle), "Angle, right-handed about the axis."),
-                Field::with_default("about", POINT, Absent::Vector([0.0; 3]), "A point of the axis."),
-                Field::required("shape", Form::Other(&SHAPE), "What is turned."),
-            ]),
-            "A shape, turned.",
-        ),
-    ],
-};
+pub(super) static SHAPE: Form = Form::One(&[
+    Field::optional(
+        "box",
+        Form::Table(&[
+            Field::required("lower", POINT, "Lower corner."),
+            Field::required("upper", POINT, "Upper corner, above the lower one in every direction."),
+        ]),
+        "A box along the axes.",
+    ),
+    Field::optional(
+        "sphere",
+        Form::Table(&[
+            Field::required("center", POINT, "Center."),
+            Field::required("radius", positive(Length), "Radius."),
+        ]),
+        "A ball.",
+    ),
+    Field::optional(
+        "cylinder",
+        Form::Table(&[
+            Field::required("start", POINT, "Center of the first end."),
+            Field::required("end", POINT, "Center of the second end."),
+            Field::required("radius", positive(Length), "Radius."),
+        ]),
+        "A cylinder with flat ends.",
+    ),
+    Field::optional(
+        "cone",
+        Form::Table(&[
+            Field::required("start", POINT, "Center of the first end."),
+            Field::required("end", POINT, "Center of the second end."),
+            Field::required("start-radius", not_negative(Length), "Radius at the first end."),
+            Field::required("end-radius", not_negative(Length), "Radius at the second end."),
+        ]),
+        "A cone, or a frustum of one.",
+    ),
+    Field::optional(
+        "capsule",
+        Form::Table(&[
+            Field::required("start", POINT, "Center of the first round end."),
+            Field::required("end", POINT, "Center of the second round end."),
+            Field::required("radius", positive(Length), "Radius."),
+        ]),
+        "A cylinder with a half ball on each end.",
+    ),
+    Field::optional(
+        "half-space",
+        Form::Table(&[
+            Field::required("point", POINT, "A point of the plane."),
+            Field::required("normal", DIRECTION, "Direction out of the solid."),
+        ]),
+        "All points behind a plane; for bodies, only inside an intersection with something bounded.",
+    ),
+    Field::optional("union", Form::List(&SHAPE), "What lies in any of the shapes."),
+    Field::optional("intersection", Form::List(&SHAPE), "What lies in all of the shapes."),
+    Field::optional(
+        "difference",
+        Form::List(&SHAPE),
+        "What lies in the first shape and in none of the others.",
+    ),
+    Field::optional(
+        "translate",
+        Form::Table(&[
+            Field::required("by", POINT, "How far."),
+            Field::required("shape", Form::Other(&SHAPE), "What is moved."),
+        ]),
+        "A shape, moved.",
+    ),
+    Field::optional(
+        "rotate",
+        Form::Table(&[
+            Field::required("axis", DIRECTION, "Axis of the turn."),
+            Field::required("angle", any(Angle), "Angle, right-handed about the axis."),
+            Field::with_default("about", POINT, Absent::Vector([0.0; 3]), "A point of the axis."),
+            Field::required("shape", Form::Other(&SHAPE), "What is turned."),
+        ]),
+        "A shape, turned.",
+    ),
+]);
 
 /// The solid that a completed shape describes.
 pub(super) fn solid(shape: &Node) -> Outcome<Solid> {

@@ -8,8 +8,7 @@ use engine::graph::error::GraphError;
 use engine::graph::traffic::Traffic;
 use engine::schema::{Label, LabelId};
 use grid::{Decomposition, Partition};
-use scene::sampling;
-use scene::{Material, Scene};
+use scene::{Material, Scene, sampling};
 use std::collections::BTreeMap;
 use tasks::labels::{self, SCHEMA};
 use tasks::recipes;
@@ -37,7 +36,7 @@ pub fn plan(scene: &Scene, wanted: usize, ranks: usize) -> Result<Plan, String> 
     let warehouse = outline(scene, decomposition.clone());
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
     let mut traffic = traffic::count(&warehouse, &partition);
-    let history = |m: &Material| populate::history_of(&m.behavior).len() as u64;
+    let history = |m: &Material| populate::declared(&m.behavior).history.len() as u64;
     let materials = scene.materials.iter().enumerate();
     traffic.of_material = materials.map(|(m, it)| ((labels::History::ID, m), history(it))).collect();
     Ok(Plan { decomposition, partition, traffic })

@@ -112,7 +112,7 @@ pub struct Failed {
     pub any: f64,
 }
 
-/// Where and when something failed first.
+/// Where and when something happened first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FirstFailure {
     /// When [s].

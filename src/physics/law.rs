@@ -4,6 +4,10 @@ use simd::{Mask, Simd};
 
 /// The most numbers of history that a law may keep per particle.
 pub const MAX_HISTORY: usize = 12;
+/// The most kinds of events that a law may tell.
+pub const MAX_EVENTS: usize = 4;
+/// The most counts of particles that a law may report.
+pub const MAX_COUNTS: usize = 8;
 
 /// One number that a particle carries for its law; it is stored, moved, written and restarted by name.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +16,13 @@ pub struct Variable {
     pub name: &'static str,
     /// Unit in output files.
     pub unit: &'static str,
+}
+
+/// What a scene says of a particle of the undeformed body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// Unit vector along its fibers.
+    pub fiber: [f64; 3],
 }
 
 /// Deformation of eight particles after a step.
@@ -36,13 +47,11 @@ pub struct Response<S> {
     pub events: Events,
 }
 
-/// One bit a particle; `matrix_failed` and `fiber_failed` are set in the step of the failure only.
+/// What happened in a step, one bit a particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Events {
-    /// The matrix failed in this step.
-    pub matrix_failed: Mask,
-    /// The fibers failed in this step.
-    pub fiber_failed: Mask,
+    /// The law's own, in the order of [`Law::EVENTS`]: set in the step in which it happens only.
+    pub own: [Mask; MAX_EVENTS],
     /// The deformation is not admissible (J ≤ 0 or not a number) and the law has no policy for it: the run stops.
     pub inverted: Mask,
     /// The particle keeps the F that it had before the step (it carries no stress any more).
@@ -69,20 +78,57 @@ pub struct Energies<S> {
 /// A constitutive law. Its parameters are its fields; `S` is the vector type of an instruction set.
 ///
 /// A new law is one file with an implementation of this trait and of
-/// [`Described`](super::parameter::Described), and one line in [`materials`](super::materials).
+/// [`Described`](super::parameter::Described), and one line in [`materials`](super::materials). What it declares here is
+/// stored, moved, counted and written by name.
 pub trait Law: Copy + Send + Sync + 'static {
     /// The numbers that a particle carries besides F; at most [`MAX_HISTORY`].
     const HISTORY: &'static [Variable];
 
-    /// History of an undeformed particle whose fibers point along the unit vector `fiber`.
-    fn initial(&self, fiber: [f64; 3], history: &mut [f64]);
+    /// Names of what can happen to a particle of this law; at most [`MAX_EVENTS`]. A run tells when and where each happened
+    /// first.
+    const EVENTS: &'static [&'static str] = &[];
+
+    /// Names of the states whose particles a run counts; at most [`MAX_COUNTS`].
+    const COUNTS: &'static [&'static str] = &[];
+
+    /// History of an undeformed particle. `history` has `HISTORY.len()` entries, all zero.
+    fn initial(&self, reference: &Reference, history: &mut [f64]);
 
     /// Stress and new history after a step. `history` has `HISTORY.len()` entries.
     fn update<S: Simd>(&self, kinematics: &Kinematics<S>, history: &mut [S]) -> Response<S>;
+
+    /// Which particles are in each state of [`Law::COUNTS`], in its order.
+    #[inline(always)]
+    fn counts<S: Simd>(&self, _history: &[S]) -> [Mask; MAX_COUNTS] {
+        [0; MAX_COUNTS]
+    }
 
     /// Energies in the present state.
     fn energies<S: Simd>(&self, kinematics: &Kinematics<S>, history: &[S]) -> Energies<S>;
 
     /// Small-strain bulk and shear modulus [Pa]: for estimates before a run.
     fn moduli(&self) -> (f64, f64);
+}
+
+/// What a law declares, as values.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Declared {
+    /// [`Law::HISTORY`]
+    pub history: &'static [Variable],
+    /// [`Law::EVENTS`]
+    pub events: &'static [&'static str],
+    /// [`Law::COUNTS`]
+    pub counts: &'static [&'static str],
+}
+
+impl Declared {
+    /// What `L` declares.
+    pub const fn by<L: Law>() -> Self {
+        Self { history: L::HISTORY, events: L::EVENTS, counts: L::COUNTS }
+    }
+}
+
+/// Whether a law declares no more than there is room for.
+pub const fn fits<L: Law>() -> bool {
+    L::HISTORY.len() <= MAX_HISTORY && L::EVENTS.len() <= MAX_EVENTS && L::COUNTS.len() <= MAX_COUNTS
 }

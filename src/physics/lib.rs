@@ -1,10 +1,10 @@
 //! The physics: pure functions of numbers. Nothing here knows a patch, a task or a file.
 pub mod acoustic;
 pub mod contact;
-
+pub mod faces;
 pub mod law;
 pub mod materials;
 pub mod parameter;
-
+pub mod table;
 pub mod tensor;
 pub mod viscosity;

@@ -1,5 +1,6 @@
-//! How a law describes its parameters, so that scenes are read, checked and documented from one table.
-use super::materials::AnyLaw;
+//! How laws and conditions describe themselves and their parameters, so that scenes are read, checked and documented from
+//! one table.
+use super::table::Table;
 use std::collections::BTreeMap;
 
 /// Physical dimension of a number, with its SI unit.
@@ -79,9 +80,11 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// true or false, with the default.
     Flag(bool),
+    /// A velocity in time, which the scene must give.
+    Motion,
 }
 
-/// One parameter of a law.
+/// One parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
     /// Key in the scene file.
@@ -122,6 +125,11 @@ impl Parameter {
         Self { key, kind: Kind::Flag(default), meaning }
     }
 
+    /// A velocity in time that the scene must give.
+    pub const fn motion(key: &'static str, meaning: &'static str) -> Self {
+        Self { key, kind: Kind::Motion, meaning }
+    }
+
     /// A number of at least `least`, with a default (`None`: the scene must give it).
     pub const fn at_least(
         key: &'static str,
@@ -135,7 +143,7 @@ impl Parameter {
     }
 }
 
-/// The values a scene gave, in SI, defaults filled in: every parameter of the law is there.
+/// The values a scene gave, in SI, defaults filled in: every parameter is there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Values {
     /// Numbers in SI units.
@@ -144,13 +152,15 @@ pub struct Values {
     pub choices: BTreeMap<&'static str, String>,
     /// Flags.
     pub flags: BTreeMap<&'static str, bool>,
+    /// Velocities in time.
+    pub motions: BTreeMap<&'static str, Table>,
 }
 
 impl Values {
     /// The number of a parameter.
     ///
     /// # Panics
-    /// If the law asks for a key that it did not describe: an error in the law, not in the scene.
+    /// If a law asks for a key that it did not describe: an error in the law, not in the scene.
     pub fn number(&self, key: &str) -> f64 {
         self.numbers[key]
     }
@@ -162,19 +172,54 @@ impl Values {
     pub fn flag(&self, key: &str) -> bool {
         self.flags[key]
     }
+    /// The velocity in time. Panics as [`Values::number`].
+    pub fn motion(&self, key: &str) -> &Table {
+        &self.motions[key]
+    }
 }
 
-/// A law, or a family of laws, that can be written in a scene.
+/// Values that are each in range but not together: the key to blame, and what is wrong.
+pub type Refusal = (&'static str, String);
+
+/// What a scene can choose by a word: a law or a family of laws, a contact law, a condition.
 pub trait Described {
-    /// The word after `law =`.
+    /// The word.
     const NAME: &'static str;
     /// What it models, with its source.
     const SUMMARY: &'static str;
     /// Its parameters, in the order of the documentation.
     const PARAMETERS: &'static [Parameter];
-    /// The law from complete, checked values.
+    /// What the values make: mostly the type itself.
+    type Built;
+    /// That, from complete, checked values.
     ///
     /// # Errors
-    /// Values that are each in range but not together: (key to blame, message).
-    fn build(values: &Values) -> Result<AnyLaw, (&'static str, String)>;
+    /// Values that are each in range but not together.
+    fn build(values: &Values) -> Result<Self::Built, Refusal>;
+}
+
+/// A line of a registry: what the scene reader needs to know of something that makes a `T`.
+pub struct Entry<T> {
+    /// The word that chooses it.
+    pub name: &'static str,
+    /// What it models, with its source.
+    pub summary: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+    /// Makes it from complete, checked values.
+    pub build: fn(&Values) -> Result<T, Refusal>,
+}
+
+impl<T> Entry<T> {
+    /// The line of `D`.
+    pub const fn of<D: Described>() -> Self
+    where
+        T: From<D::Built>,
+    {
+        Self { name: D::NAME, summary: D::SUMMARY, parameters: D::PARAMETERS, build: build::<T, D> }
+    }
+}
+
+fn build<T: From<D::Built>, D: Described>(values: &Values) -> Result<T, Refusal> {
+    D::build(values).map(T::from)
 }

@@ -4,8 +4,10 @@ pub mod geometry;
 pub mod sampling;
 
 use geometry::Solid;
-pub use physics::contact::friction::Criterion;
+pub use physics::contact::Contact;
+use physics::faces::AnyFaceCondition;
 use physics::materials::AnyLaw;
+pub use physics::table::Table;
 pub use physics::viscosity::Viscosity;
 use std::collections::BTreeMap;
 
@@ -28,7 +30,7 @@ pub struct Scene {
     /// Which materials touch, and how. Pairs that are not listed pass through each other.
     pub contacts: Vec<Contact>,
     /// Conditions on the faces x−, x+, y−, y+, z−, z+ of the domain.
-    pub faces: [FaceCondition; 6],
+    pub faces: [AnyFaceCondition; 6],
     /// Regions of particles with a prescribed velocity.
     pub drives: Vec<Drive>,
     /// Acceleration of all matter [m/s²].
@@ -93,25 +95,6 @@ pub enum RigidMotion {
     },
 }
 
-/// A vector that is constant or piecewise linear in time: (time [s], value), times ascending, at least one row.
-/// Before the first and after the last row the value is that of the row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Table(pub Vec<(f64, [f64; 3])>);
-
-impl Table {
-    /// The value at time `t` [s].
-    pub fn at(&self, t: f64) -> [f64; 3] {
-        let rows = &self.0;
-        let next = rows.partition_point(|row| row.0 <= t);
-        if next == 0 || next == rows.len() {
-            return rows[next.saturating_sub(1)].1;
-        }
-        let ((t0, a), (t1, b)) = (rows[next - 1], rows[next]);
-        let s = (t - t0) / (t1 - t0);
-        std::array::from_fn(|i| a[i] + s * (b[i] - a[i]))
-    }
-}
-
 /// A piece of matter, filled with particles on the regular lattice of the cells.
 #[derive(Clone, Debug)]
 pub struct Body {
@@ -148,44 +131,6 @@ pub enum FiberField {
         /// Turn between the planes [rad].
         angle: f64,
     },
-}
-
-/// How two materials touch.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Contact {
-    /// Indices of the two materials, ascending.
-    pub between: [usize; 2],
-    /// The law.
-    pub law: ContactLaw,
-    /// Contact acts only while the gap between the surfaces is below this many cells.
-    pub gap: f64,
-}
-
-/// Contact laws.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ContactLaw {
-    /// One velocity for both materials.
-    Bonded,
-    /// Coulomb friction with free separation.
-    Friction {
-        /// Coefficient μ.
-        coefficient: f64,
-        /// When it acts.
-        criterion: Criterion,
-    },
-}
-
-/// Condition on a face of the domain.
-#[derive(Clone, Debug, PartialEq)]
-pub enum FaceCondition {
-    /// Nothing holds the matter.
-    Free,
-    /// v = 0
-    Fixed,
-    /// v · n = 0
-    Symmetric,
-    /// v as given in time.
-    Velocity(Table),
 }
 
 /// A region whose particles move as prescribed.

@@ -1,20 +1,19 @@
 //! Accounts of energy and momentum over a run.
-use super::failure_index;
+use super::populate::declared;
 use engine::data::exact_sum::ExactSum;
 use engine::data::rates::Clock;
 use engine::data::shared::Shared;
-use engine::data::warehouse::MaterialData;
-use engine::data::warehouse::Warehouse;
+use engine::data::warehouse::{MaterialData, Warehouse};
 use engine::exec::traveler::Traveler;
-use engine::schema::Label;
-use engine::schema::LabelId;
+use engine::schema::{Label, LabelId};
+use physics::law::{MAX_COUNTS, MAX_EVENTS};
 use scene::Scene;
 use simd::Wide;
 use tasks::labels;
 
 /// What the report graph computes.
 pub const REPORTED: &[LabelId] =
-    &[labels::MaterialEnergy::ID, labels::MaterialMotion::ID, labels::FailedCount::ID];
+    &[labels::MaterialEnergy::ID, labels::MaterialMotion::ID, labels::StateCount::ID];
 
 /// Energies of one material [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,14 +50,12 @@ pub struct MaterialReport {
     pub center: [f64; 3],
     /// Angular momentum about the origin [N m s].
     pub angular_momentum: [f64; 3],
-    /// Particles with failed matrix, fibers, both, both by inversion.
-    pub failed: [u64; 4],
-    /// Whether the material can fail.
-    pub fails: bool,
+    /// Particles in each state that its law counts, by the law's names.
+    pub counts: Vec<(&'static str, u64)>,
     /// Number of particles.
     pub particles: u64,
-    /// First failure of the matrix and of the fibers.
-    pub first_failure: [Option<FirstFailure>; 2],
+    /// The first of each event that its law tells, by the law's names.
+    pub first: Vec<(&'static str, Option<FirstEvent>)>,
 }
 
 impl MaterialReport {
@@ -66,11 +63,16 @@ impl MaterialReport {
     pub fn velocity(&self) -> [f64; 3] {
         self.momentum.map(|p| if self.mass > 0.0 { p / self.mass } else { 0.0 })
     }
+
+    /// Particles in a state; none if the law does not count it.
+    pub fn count(&self, state: &str) -> u64 {
+        self.counts.iter().filter(|(name, _)| *name == state).map(|(_, count)| count).sum()
+    }
 }
 
-/// When and where something failed first.
+/// When and where an event of a law happened first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FirstFailure {
+pub struct FirstEvent {
     /// When [s].
     pub time: f64,
     /// Which particle.
@@ -137,14 +139,15 @@ pub struct Ledger {
     deleted: u64,
     deleted_energy: f64,
     reflected: u64,
-    first_failure: Vec<[Option<FirstFailure>; 2]>,
+    /// The first of each event, by material.
+    first: Vec<[Option<FirstEvent>; MAX_EVENTS]>,
 }
 
 impl Ledger {
     /// Remembers the energy at the start.
     pub fn begin(&mut self, report: &Report) {
         self.initial_energy = report.energy().total();
-        self.first_failure = vec![[None; 2]; report.materials.len()];
+        self.first = vec![[None; MAX_EVENTS]; report.materials.len()];
     }
 
     /// The totals as numbers, for a checkpoint.
@@ -153,7 +156,7 @@ impl Ledger {
         let mut numbers = vec![self.initial_energy, self.friction, self.impact, self.transfer];
         numbers.extend([self.boundary_work, x, y, z, f64::from_bits(self.deleted), self.deleted_energy]);
         numbers.push(f64::from_bits(self.reflected));
-        for first in self.first_failure.iter().flatten() {
+        for first in self.first.iter().flatten() {
             numbers.extend(first.map_or([f64::NAN; 5], |f| {
                 [f.time, f64::from_bits(f.particle), f.position[0], f.position[1], f.position[2]]
             }));
@@ -163,17 +166,17 @@ impl Ledger {
 
     /// From its numbers; `None` if they are not those of a ledger of so many materials.
     pub fn from_numbers(numbers: &[f64], materials: usize) -> Option<Self> {
-        let (totals, failures) = numbers.split_first_chunk::<11>()?;
+        let (totals, events) = numbers.split_first_chunk::<11>()?;
         let [initial_energy, friction, impact, transfer, boundary_work, x, y, z, rest @ ..] = *totals;
         let [deleted, deleted_energy, reflected] = rest;
         let first = |&[time, particle, x, y, z]: &[f64; 5]| {
             let particle = particle.to_bits();
-            (!time.is_nan()).then_some(FirstFailure { time, particle, position: [x, y, z] })
+            (!time.is_nan()).then_some(FirstEvent { time, particle, position: [x, y, z] })
         };
-        let (failures, rest) = failures.as_chunks::<5>();
-        let first_failure: Vec<_> =
-            failures.as_chunks::<2>().0.iter().map(|pair| pair.each_ref().map(first)).collect();
-        (rest.is_empty() && first_failure.len() == materials).then_some(Self {
+        let (events, left) = events.as_chunks::<5>();
+        let (events, more) = events.as_chunks::<MAX_EVENTS>();
+        let whole = left.is_empty() && more.is_empty() && events.len() == materials;
+        whole.then(|| Self {
             initial_energy,
             friction,
             impact,
@@ -183,7 +186,7 @@ impl Ledger {
             deleted: deleted.to_bits(),
             deleted_energy,
             reflected: reflected.to_bits(),
-            first_failure,
+            first: events.iter().map(|all| all.each_ref().map(first)).collect(),
         })
     }
 
@@ -196,13 +199,13 @@ impl Ledger {
         let boundary: [ExactSum; 4] = shared.get(labels::BoundaryWork::ID, 0);
         self.boundary_work += boundary[0].value();
         (0..3).for_each(|a| self.boundary_impulse[a] += boundary[1 + a].value());
-        for (material, known) in self.first_failure.iter_mut().enumerate() {
-            let lines: [Wide; 2] = shared.get(labels::FirstFailure::ID, material);
+        for (material, known) in self.first.iter_mut().enumerate() {
+            let lines: [Wide; MAX_EVENTS] = shared.get(labels::FirstEvent::ID, material);
             for (known, line) in
                 known.iter_mut().zip(lines).filter(|(k, line)| k.is_none() && line.0[0].is_finite())
             {
                 let [time, particle, x, y, z, ..] = line.0;
-                *known = Some(FirstFailure { time, particle: particle as u64, position: [x, y, z] });
+                *known = Some(FirstEvent { time, particle: particle as u64, position: [x, y, z] });
             }
         }
     }
@@ -256,7 +259,9 @@ impl Ledger {
         };
         let energy = values(labels::MaterialEnergy::ID, 0..5);
         let motion = values(labels::MaterialMotion::ID, 0..10);
-        let failed = values(labels::FailedCount::ID, 0..4);
+        let counts = values(labels::StateCount::ID, 0..MAX_COUNTS).into_iter().map(|count| count as u64);
+        let law = declared(&scene.materials[material].behavior);
+        let first = self.first.get(material).copied().unwrap_or_default();
         let vector = |first: usize| [motion[first], motion[first + 1], motion[first + 2]];
         let blocks = warehouse.blocks().filter(|(m, _)| *m == material);
         MaterialReport {
@@ -271,10 +276,9 @@ impl Ledger {
             momentum: vector(1),
             center: vector(4).map(|c| if motion[0] > 0.0 { c / motion[0] } else { 0.0 }),
             angular_momentum: vector(7),
-            failed: [failed[0] as u64, failed[1] as u64, failed[2] as u64, failed[3] as u64],
-            fails: failure_index(&scene.materials[material].behavior).is_some(),
+            counts: law.counts.iter().copied().zip(counts).collect(),
             particles: blocks.map(|(_, b)| b.count as u64).sum(),
-            first_failure: self.first_failure.get(material).copied().unwrap_or_default(),
+            first: law.events.iter().copied().zip(first).collect(),
         }
     }
 }

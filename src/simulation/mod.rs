@@ -2,6 +2,7 @@
 mod balance;
 mod checkpoint;
 mod conduct;
+pub mod failures;
 pub mod fault;
 mod hash;
 pub mod layout;
@@ -31,7 +32,7 @@ use engine::graph::error::GraphError;
 use engine::program::{Program, Script};
 use engine::schema::{Label, LabelId};
 use grid::{Decomposition, Partition};
-use scene::{Behavior, Rates, Scene};
+use scene::{Rates, Scene};
 use simd::Isa;
 use std::path::Path;
 use tasks::{labels, recipes};
@@ -40,7 +41,7 @@ use tasks::{labels, recipes};
 const WANTED: &[LabelId] = &[
     labels::Time::ID,
     labels::Fault::ID,
-    labels::FirstFailure::ID,
+    labels::FirstEvent::ID,
     labels::ContactWork::ID,
     labels::BoundaryWork::ID,
     labels::TransferLoss::ID,
@@ -320,9 +321,4 @@ impl Simulation {
     pub fn snapshot(&self) -> Snapshot<'_> {
         Snapshot::new(&self.scene, &self.warehouse)
     }
-}
-
-/// The law's number of history called `failure`, if the material has a law that fails.
-pub fn failure_index(behavior: &Behavior) -> Option<usize> {
-    populate::history_of(behavior).iter().position(|v| v.name == "failure")
 }

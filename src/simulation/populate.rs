@@ -7,13 +7,13 @@ use engine::program::Program;
 use engine::schema::{Label, LabelId};
 use grid::{Decomposition, Partition};
 use nalgebra::{Matrix3, Vector3};
-use physics::law::{Law, Variable};
+use physics::law::{Declared, Law, Reference};
 use physics::materials::WithLaw;
-use scene::sampling;
-use scene::{Behavior, Body, Rates, RigidMotion, Scene};
+use scene::{Behavior, Body, Rates, RigidMotion, Scene, sampling};
+use tasks::labels::RigidMotion as RigidMotionLabel;
 use tasks::labels::{
-    DriveIndex, History, Identity, InitialVolume, Mass, Position, ReferencePosition,
-    RigidMotion as RigidMotionLabel, SCHEMA, Time, Velocity, Volume,
+    DriveIndex, History, Identity, InitialVolume, Mass, Position, ReferencePosition, SCHEMA, Time, Velocity,
+    Volume,
 };
 use tasks::recipes;
 use tasks::rigid::state::RigidState;
@@ -65,39 +65,40 @@ pub fn empty(
 pub fn layout_of(scene: &Scene, program: &Program, material: usize) -> ParticleLayout {
     let always = [Identity::ID, Position::ID, Velocity::ID, Mass::ID];
     let labels = program.particle_labels(material).into_iter().chain(always);
-    let history = initial_history(&scene.materials[material].behavior, [1.0, 0.0, 0.0]);
+    let reference = Reference { fiber: [1.0, 0.0, 0.0] };
+    let history = initial_history(&scene.materials[material].behavior, reference);
     ParticleLayout::new(&SCHEMA, labels, [(History::ID, history)].into())
 }
 
-/// The history that a material's law keeps.
-pub fn history_of(behavior: &Behavior) -> &'static [Variable] {
+/// What a material's law declares.
+pub fn declared(behavior: &Behavior) -> Declared {
     match behavior {
-        Behavior::Deformable(law) => law.visit(HistoryOf),
-        Behavior::Rigid(_) => &[],
+        Behavior::Deformable(law) => law.visit(DeclaredBy),
+        Behavior::Rigid(_) => Declared::default(),
     }
 }
 
-struct HistoryOf;
-impl WithLaw for HistoryOf {
-    type Output = &'static [Variable];
-    fn with<L: Law>(self, _law: L) -> Self::Output {
-        L::HISTORY
+struct DeclaredBy;
+impl WithLaw for DeclaredBy {
+    type Output = Declared;
+    fn with<L: Law>(self, _law: L) -> Declared {
+        Declared::by::<L>()
     }
 }
 
-struct Initial([f64; 3]);
+struct Initial(Reference);
 impl WithLaw for Initial {
     type Output = Vec<f64>;
     fn with<L: Law>(self, law: L) -> Vec<f64> {
         let mut history = vec![0.0; L::HISTORY.len()];
-        law.initial(self.0, &mut history);
+        law.initial(&self.0, &mut history);
         history
     }
 }
 
-fn initial_history(behavior: &Behavior, fiber: [f64; 3]) -> Vec<f64> {
+fn initial_history(behavior: &Behavior, reference: Reference) -> Vec<f64> {
     match behavior {
-        Behavior::Deformable(law) => law.visit(Initial(fiber)),
+        Behavior::Deformable(law) => law.visit(Initial(reference)),
         Behavior::Rigid(_) => Vec::new(),
     }
 }
@@ -122,7 +123,8 @@ fn add_body(
         if !warehouse.partition.is_mine(patch) {
             continue;
         }
-        let history = initial_history(&material.behavior, sampling::fiber_at(&body.fibers, x));
+        let reference = Reference { fiber: sampling::fiber_at(&body.fibers, x) };
+        let history = initial_history(&material.behavior, reference);
         let drive = scene.drives.iter().position(|d| d.material == body.material && d.region.contains(x));
         record.copy_from_slice(&inert);
         let mut set = |label: LabelId, numbers: &[f64]| {

@@ -1,12 +1,11 @@
 //! The particles of a running simulation, as output sees them.
-use super::populate::history_of;
+use super::populate::declared;
 use crate::output::frame::{Field, Piece};
 use crate::output::vtkhdf::CHUNK;
 use engine::data::layout::ParticleLayout;
 use engine::data::particles::ParticleBlock;
 use engine::data::warehouse::Warehouse;
-use engine::schema::Label;
-use engine::schema::LabelId;
+use engine::schema::{Label, LabelId};
 use scene::Scene;
 use simd::LANES;
 use std::ops::Range;
@@ -38,7 +37,7 @@ impl<'a> Snapshot<'a> {
         let fields = fields(scene);
         let of_material = |m: usize| {
             let deformable = warehouse.materials[m].layout.width(labels::KirchhoffStress::ID) > 0;
-            let history = history_of(&scene.materials[m].behavior);
+            let history = declared(&scene.materials[m].behavior).history;
             let source = |field: &Field| match field.name.as_str() {
                 "velocity" => Source::Velocity,
                 "volume_ratio" if deformable => Source::VolumeRatio,
@@ -130,7 +129,7 @@ fn fields(scene: &Scene) -> Vec<Field> {
         field("pressure", "Pa", 1),
         field("von_mises", "Pa", 1),
     ];
-    for variable in scene.materials.iter().flat_map(|m| history_of(&m.behavior)) {
+    for variable in scene.materials.iter().flat_map(|m| declared(&m.behavior).history) {
         if !fields.iter().any(|f| f.name == variable.name) {
             fields.push(field(variable.name, variable.unit, 1));
         }

@@ -21,9 +21,10 @@ use engine::graph::recipe::Recipe;
 use engine::graph::task::Runnable;
 use grid::Lattice;
 use physics::contact::surface::SurfaceTable;
+use physics::faces::FaceCondition;
 use physics::law::Law;
 use physics::materials::{AnyLaw, WithLaw};
-use scene::{Behavior, FaceCondition, Leaving, Rates, RigidMotion as Motion, Scene, ShapeFunction};
+use scene::{Behavior, Leaving, Rates, RigidMotion as Motion, Scene, ShapeFunction};
 use shapes::gimp::Gimp;
 use shapes::linear::Linear;
 
@@ -130,7 +131,7 @@ impl<'a> Builder<'a> {
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
             surfaces: surfaces.collect(),
-            symmetric: self.scene.faces.each_ref().map(|face| *face == FaceCondition::Symmetric),
+            symmetric: self.scene.faces.each_ref().map(|face| face.is_mirror()),
             cells: self.scene.domain.cells,
         };
         if self.rigid.contains(&true) {
@@ -161,7 +162,7 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn boundary(&mut self) {
-        if self.scene.faces.iter().any(|f| *f != FaceCondition::Free) {
+        if self.scene.faces.iter().any(|f| f.acts()) {
             let task = Boundary {
                 faces: self.scene.faces.clone(),
                 cells: self.scene.domain.cells,

@@ -26,7 +26,6 @@ struct AddReport<'a, 'b>(&'a mut Builder<'b>, usize);
 impl WithLaw for AddReport<'_, '_> {
     type Output = ();
     fn with<L: Law>(self, law: L) {
-        let failure = L::HISTORY.iter().position(|v| v.name == "failure");
-        self.0.add(self.1, "output.history-every", ReportLaw { law, failure });
+        self.0.add(self.1, "output.history-every", ReportLaw(law));
     }
 }

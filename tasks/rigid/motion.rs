@@ -1,9 +1,10 @@
-use crate::labels::{BoundaryWork, RigidImpulse, RigidMotion as RigidMotionLabel, Time};
+use crate::labels::RigidMotion as RigidMotionLabel;
+use crate::labels::{BoundaryWork, RigidImpulse, Time};
 use crate::rigid::state::RigidState;
 use crate::work::Work;
 use engine::graph::task::{At, Body};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use scene::Table;
+use physics::table::Table;
 use simd::Simd;
 
 /// Newton and Euler for rigid bodies: contact impulses and gravity change V and ω, then the body moves.

@@ -1,6 +1,6 @@
 //! A law as plain functions of `f64` matrices, on every instruction set, and random states.
 use nalgebra::{Matrix3, SymmetricEigen, Unit, UnitQuaternion, Vector3};
-use physics::law::{Kinematics, Law, MAX_HISTORY};
+use physics::law::{Kinematics, Law, MAX_HISTORY, Reference};
 use physics::materials::neo_hookean::NeoHookean;
 use physics::materials::tissue::{NoFailure, Tissue, TwoSurface};
 use simd::{Isa, Job, LANES, Mask, Simd, Wide};
@@ -8,6 +8,12 @@ use std::array::from_fn;
 
 pub type M3 = Matrix3<f64>;
 pub type V3 = Vector3<f64>;
+
+impl Answer {
+    pub fn tells(&self, event: &str) -> bool {
+        self.events.contains(&event)
+    }
+}
 
 pub fn instruction_sets() -> [Isa; 2] {
     [Isa::detect(), Isa::BASELINE]
@@ -25,7 +31,7 @@ impl Point {
     /// From the undeformed state to F in one step.
     pub fn virgin<L: Law>(law: &L, f: M3, fiber: V3) -> Self {
         let mut history = vec![0.0; L::HISTORY.len()];
-        law.initial(fiber.into(), &mut history);
+        law.initial(&Reference { fiber: fiber.into() }, &mut history);
         Self { f, increment: f, history }
     }
     /// The next step of a particle.
@@ -39,8 +45,10 @@ impl Point {
 pub struct Answer {
     pub kirchhoff: M3,
     pub modulus: f64,
-    pub matrix_failed: bool,
-    pub fiber_failed: bool,
+    /// Names of what happened in the step.
+    pub events: Vec<&'static str>,
+    /// Names of the states that the particle is in.
+    pub counted: Vec<&'static str>,
     pub inverted: bool,
     pub frozen: bool,
     pub strain: f64,
@@ -69,6 +77,7 @@ impl<L: Law> Job for Step<'_, L> {
         }
         let response = law.update(&k, history);
         let energies = law.energies(&k, history);
+        let counts = law.counts(history);
         let t = response.kirchhoff.map(S::lanes);
         let [modulus, strain, plastic, fracture] =
             [response.modulus, energies.strain, energies.plastic, energies.fracture].map(S::lanes);
@@ -79,8 +88,18 @@ impl<L: Law> Job for Step<'_, L> {
                 t[0][i], t[1][i], t[2][i], t[1][i], t[3][i], t[4][i], t[2][i], t[4][i], t[5][i],
             ),
             modulus: modulus[i],
-            matrix_failed: bit(e.matrix_failed, i),
-            fiber_failed: bit(e.fiber_failed, i),
+            events: L::EVENTS
+                .iter()
+                .zip(e.own)
+                .filter(|&(_, mask)| bit(mask, i))
+                .map(|(&name, _)| name)
+                .collect(),
+            counted: L::COUNTS
+                .iter()
+                .zip(counts)
+                .filter(|&(_, mask)| bit(mask, i))
+                .map(|(&name, _)| name)
+                .collect(),
             inverted: bit(e.inverted, i),
             frozen: bit(e.frozen, i),
             strain: strain[i],

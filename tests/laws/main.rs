@@ -1,5 +1,6 @@
 //! The constitutive laws against their definitions: energies, closed forms, eigenvalues.
 #![allow(clippy::unwrap_used)]
+mod declared;
 mod harness;
 mod metal;
 mod registry;

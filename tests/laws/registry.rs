@@ -1,10 +1,11 @@
 //! The table that scenes are read by.
 use physics::law::{Law, MAX_HISTORY};
-use physics::materials::{AnyLaw, Entry, LAWS, WithLaw};
-use physics::parameter::{Kind, Values};
+use physics::materials::{AnyLaw, LAWS, WithLaw};
+use physics::parameter::{Entry, Kind, Values};
+use physics::table::Table;
 
 /// Every default, and 2 or the least value where there is none.
-fn defaults(entry: &Entry) -> Values {
+fn defaults(entry: &Entry<AnyLaw>) -> Values {
     let mut values = Values::default();
     for p in entry.parameters {
         match p.kind {
@@ -16,6 +17,9 @@ fn defaults(entry: &Entry) -> Values {
             }
             Kind::Flag(on) => {
                 values.flags.insert(p.key, on);
+            }
+            Kind::Motion => {
+                values.motions.insert(p.key, Table(vec![(0.0, [0.0; 3])]));
             }
         }
     }
@@ -31,7 +35,7 @@ impl WithLaw for HistoryLength {
     }
 }
 
-fn entry(name: &str) -> &'static Entry {
+fn entry(name: &str) -> &'static Entry<AnyLaw> {
     LAWS.iter().find(|entry| entry.name == name).unwrap()
 }
 

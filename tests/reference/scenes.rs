@@ -5,7 +5,8 @@ use crate::step::{Face, M3, Material, Model, Particle, V3};
 use engine::data::layout::ParticleLayout;
 use engine::data::particles::ParticleBlock;
 use engine::schema::{Label, LabelId};
-use scene::{FaceCondition, Scene, ShapeFunction};
+use physics::faces::AnyFaceCondition;
+use scene::{Scene, ShapeFunction};
 use simd::Isa;
 use sinew::simulation::Simulation;
 use tasks::labels::*;
@@ -95,10 +96,10 @@ fn model(scene: &Scene, laws: [Law; 2]) -> Model {
         Material { law: laws[m], density: scene.materials[m].density, half_size }
     };
     let face = |f: usize| match scene.faces[f] {
-        FaceCondition::Free => Face::Free,
-        FaceCondition::Fixed => Face::Fixed,
-        FaceCondition::Symmetric => Face::Symmetric,
-        FaceCondition::Velocity(_) => unimplemented!("the reference has no moving faces"),
+        AnyFaceCondition::Free(_) => Face::Free,
+        AnyFaceCondition::Fixed(_) => Face::Fixed,
+        AnyFaceCondition::Symmetric(_) => Face::Symmetric,
+        AnyFaceCondition::Velocity(_) => unimplemented!("the reference has no moving faces"),
     };
     Model {
         lower: domain.lower.into(),

@@ -2,7 +2,7 @@
 use super::ceilings::{Ceiling, last_cache};
 use super::report::{Machine, Report, Rest, Sorting, State, Timing};
 use super::rows::{Findings, Metered};
-use crate::simulation::{RunError, Simulation};
+use crate::simulation::{RunError, Simulation, failures};
 use engine::data::warehouse::Warehouse;
 use engine::exec::meter::{Calibration, Tally, What};
 use simd::{Isa, LANES};
@@ -206,9 +206,8 @@ fn machine(isa: Isa) -> Machine {
 }
 
 fn state(simulation: &mut Simulation) -> Result<State, BenchError> {
-    let materials = simulation.report().map_err(RunError::from)?.materials;
-    // inverted particles are among those that failed
-    let failed: u64 = materials.iter().map(|m| m.failed[..3].iter().sum::<u64>()).sum();
+    let report = simulation.report().map_err(RunError::from)?;
+    let failed: u64 = failures::STATES.iter().map(|state| failures::total(&report, state)).sum();
     let warehouse: &Warehouse = &simulation.warehouse;
     let particles = warehouse.particle_count();
     let (particle_bytes, node_bytes) = simulation.bytes();

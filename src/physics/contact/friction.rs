@@ -1,7 +1,17 @@
 //! Coulomb friction with free separation, after S. G. Bardenhagen et al., CMES 2(4), 2001, 509–522
 //! (doi:10.3970/cmes.2001.002.509), made pairwise: each impulse has its opposite, so momentum is conserved for any
 //! number of materials at a node.
-use super::{Exchange, Pair, dot};
+use super::pair::{ContactLaw, Exchange, Pair, dot};
+use crate::parameter::{Described, Dimension, Parameter, Refusal, Values};
+
+/// Stops approach along the normal, and slip as far as friction allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Coefficient μ.
+    pub coefficient: f64,
+    /// When it acts.
+    pub criterion: Criterion,
+}
 
 /// When frictional contact acts, besides the gap test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,21 +24,46 @@ pub enum Criterion {
     ApproachAndCompression,
 }
 
-/// Stops approach along the normal, and slip as far as friction `coefficient` allows.
-pub fn exchange(pair: &Pair, coefficient: f64, criterion: Criterion) -> Exchange {
-    let approach = dot(pair.relative, pair.normal);
-    let compressed = pair.traction < 0.0;
-    let acts = match criterion {
-        Criterion::Approach => approach > 0.0,
-        Criterion::ApproachOrCompression => approach > 0.0 || compressed,
-        Criterion::ApproachAndCompression => approach > 0.0 && compressed,
-    };
-    if !acts {
-        return Exchange::default();
+impl Described for Friction {
+    const NAME: &'static str = "friction";
+    const SUMMARY: &'static str = "Coulomb friction with free separation.";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::at_least("friction", Dimension::One, 0.0, None, "Coefficient of friction."),
+        Parameter::choice(
+            "criterion",
+            &["approach", "approach-or-compression", "approach-and-compression"],
+            "When contact acts: while the surfaces approach, while they approach or the normal traction is compressive, or \
+             while both hold.",
+        ),
+    ];
+    type Built = Self;
+    fn build(values: &Values) -> Result<Self, Refusal> {
+        let criterion = match values.choice("criterion") {
+            "approach" => Criterion::Approach,
+            "approach-or-compression" => Criterion::ApproachOrCompression,
+            _ => Criterion::ApproachAndCompression,
+        };
+        Ok(Self { coefficient: values.number("friction"), criterion })
     }
-    let slip: [f64; 3] = std::array::from_fn(|a| pair.relative[a] - approach * pair.normal[a]);
-    let speed = dot(slip, slip).sqrt();
-    let limit = coefficient * approach.abs();
-    let share = if speed > limit { limit / speed } else { 1.0 };
-    pair.exchange(approach, slip.map(|s| share * s))
+}
+
+impl ContactLaw for Friction {
+    #[inline]
+    fn exchange(&self, pair: &Pair) -> Exchange {
+        let approach = dot(pair.relative, pair.normal);
+        let compressed = pair.traction < 0.0;
+        let acts = match self.criterion {
+            Criterion::Approach => approach > 0.0,
+            Criterion::ApproachOrCompression => approach > 0.0 || compressed,
+            Criterion::ApproachAndCompression => approach > 0.0 && compressed,
+        };
+        if !acts {
+            return Exchange::default();
+        }
+        let slip: [f64; 3] = std::array::from_fn(|a| pair.relative[a] - approach * pair.normal[a]);
+        let speed = dot(slip, slip).sqrt();
+        let limit = self.coefficient * approach.abs();
+        let share = if speed > limit { limit / speed } else { 1.0 };
+        pair.exchange(approach, slip.map(|s| share * s))
+    }
 }

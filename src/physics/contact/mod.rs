@@ -1,42 +1,48 @@
-//! Contact of two materials at one node: pure functions of masses, velocities and surfaces.
+//! Contact of two materials at one node: laws, one file each, and their registry.
 pub mod bonded;
 pub mod friction;
+mod pair;
 pub mod surface;
 
-/// What a contact law sees of a pair at a node. The first material is a, the second b.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
-    /// v_a − v_b [m/s]
-    pub relative: [f64; 3],
-    /// Reduced mass m_a m_b / (m_a + m_b) [kg].
-    pub reduced_mass: f64,
-    /// Unit normal from a to b.
-    pub normal: [f64; 3],
-    /// Normal traction between the surfaces, positive in tension [Pa].
-    pub traction: f64,
+pub use pair::{ContactLaw, Exchange, Pair, dot};
+
+use super::parameter::Entry;
+
+/// How two materials touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// Indices of the two materials, ascending.
+    pub between: [usize; 2],
+    /// The law.
+    pub law: AnyContactLaw,
+    /// Contact acts only while the gap between the surfaces is below this many cells.
+    pub gap: f64,
 }
 
-/// What a contact law answers: impulses on a; b receives the opposite [N s].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Exchange {
-    /// Along the normal.
-    pub normal: [f64; 3],
-    /// Across it.
-    pub friction: [f64; 3],
-}
+/// One line a law, which is a word of the scene.
+macro_rules! registry {
+    ($($variant:ident($law:ty),)*) => {
+        /// A contact law chosen by a scene.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[allow(missing_docs)]
+        pub enum AnyContactLaw { $($variant($law)),* }
 
-/// a · b
-#[inline(always)]
-pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-impl Pair {
-    /// The exchange that changes the relative velocity by −`along` n and by −`across`.
-    fn exchange(&self, along: f64, across: [f64; 3]) -> Exchange {
-        Exchange {
-            normal: self.normal.map(|n| -self.reduced_mass * along * n),
-            friction: across.map(|v| -self.reduced_mass * v),
+        impl ContactLaw for AnyContactLaw {
+            #[inline]
+            fn exchange(&self, pair: &Pair) -> Exchange {
+                match self { $(AnyContactLaw::$variant(law) => law.exchange(pair)),* }
+            }
         }
-    }
+        $(impl From<$law> for AnyContactLaw {
+            fn from(law: $law) -> Self { AnyContactLaw::$variant(law) }
+        })*
+
+        /// All contact laws that a scene can name.
+        pub const LAWS: &[Entry<AnyContactLaw>] = &[$(Entry::of::<$law>()),*];
+    };
+}
+
+registry! {
+    Friction(friction::Friction),
+    Bonded(bonded::Bonded),
 }

@@ -1,8 +1,7 @@
 //! Metal plasticity: neo-Hookean elasticity with a von Mises yield surface.
-use super::AnyLaw;
 use super::neo_hookean::NeoHookean;
-use crate::law::{Energies, Kinematics, Law, Response, Variable};
-use crate::parameter::{Described, Dimension, Parameter, Values};
+use crate::law::{Energies, Kinematics, Law, Reference, Response, Variable};
+use crate::parameter::{Described, Dimension, Parameter, Refusal, Values};
 use crate::tensor::{determinant, deviator_invariants, push_forward, scaled};
 use simd::{Simd, math};
 
@@ -41,11 +40,12 @@ impl Described for J2 {
             "isotropic hardening modulus H: the yield stress is σ₀ + H α",
         ),
     ];
-    fn build(values: &Values) -> Result<AnyLaw, (&'static str, String)> {
+    type Built = Self;
+    fn build(values: &Values) -> Result<Self, Refusal> {
         let elastic =
             NeoHookean { bulk: values.number("bulk-modulus"), shear: values.number("shear-modulus") };
         let (yield_stress, hardening) = (values.number("yield-stress"), values.number("hardening"));
-        Ok(J2 { elastic, yield_stress, hardening }.into())
+        Ok(Self { elastic, yield_stress, hardening })
     }
 }
 
@@ -60,7 +60,7 @@ impl Law for J2 {
         Variable { name: "plastic_strain", unit: "1" },
     ];
 
-    fn initial(&self, _fiber: [f64; 3], history: &mut [f64]) {
+    fn initial(&self, _reference: &Reference, history: &mut [f64]) {
         history.copy_from_slice(&[1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
     }
 

@@ -4,7 +4,7 @@ pub mod neo_hookean;
 pub mod tissue;
 
 use super::law::Law;
-use super::parameter::{Described, Parameter, Values};
+use super::parameter::Entry;
 
 /// Work that is generic over the law: turns the scene's choice into a type, once.
 pub trait WithLaw {
@@ -12,19 +12,6 @@ pub trait WithLaw {
     type Output;
     /// The work.
     fn with<L: Law>(self, law: L) -> Self::Output;
-}
-
-/// What the scene reader needs to know of a law.
-#[derive(Clone, Copy)]
-pub struct Entry {
-    /// The word after `law =`.
-    pub name: &'static str,
-    /// What it models, with its source.
-    pub summary: &'static str,
-    /// Its parameters.
-    pub parameters: &'static [Parameter],
-    /// Makes the law from complete, checked values.
-    pub build: fn(&Values) -> Result<AnyLaw, (&'static str, String)>,
 }
 
 /// `laws`: one line a type (a variant of [`AnyLaw`]). `described`: one line a word of the scene; its
@@ -47,12 +34,7 @@ macro_rules! registry {
         })*
 
         /// All laws that a scene can name.
-        pub const LAWS: &[Entry] = &[$(Entry {
-            name: <$described>::NAME,
-            summary: <$described>::SUMMARY,
-            parameters: <$described>::PARAMETERS,
-            build: <$described>::build,
-        }),*];
+        pub const LAWS: &[Entry<AnyLaw>] = &[$(Entry::of::<$described>()),*];
     };
 }
 

@@ -1,8 +1,7 @@
 //! Compressible neo-Hookean elasticity.
-use super::AnyLaw;
 use crate::acoustic::Stiffness;
-use crate::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
-use crate::parameter::{Described, Dimension, Parameter, Values};
+use crate::law::{Energies, Events, Kinematics, Law, Reference, Response, Variable, inadmissible};
+use crate::parameter::{Described, Dimension, Parameter, Refusal, Values};
 use crate::tensor::{deviator_invariants, scaled, times_transpose, trace};
 use simd::{Simd, math};
 
@@ -56,16 +55,16 @@ impl Described for NeoHookean {
         Parameter::positive("bulk-modulus", Dimension::Stress, "bulk modulus K"),
         Parameter::positive("shear-modulus", Dimension::Stress, "shear modulus μ"),
     ];
-    fn build(values: &Values) -> Result<AnyLaw, (&'static str, String)> {
-        let law = Self { bulk: values.number("bulk-modulus"), shear: values.number("shear-modulus") };
-        Ok(law.into())
+    type Built = Self;
+    fn build(values: &Values) -> Result<Self, Refusal> {
+        Ok(Self { bulk: values.number("bulk-modulus"), shear: values.number("shear-modulus") })
     }
 }
 
 impl Law for NeoHookean {
     const HISTORY: &'static [Variable] = &[];
 
-    fn initial(&self, _fiber: [f64; 3], _history: &mut [f64]) {}
+    fn initial(&self, _reference: &Reference, _history: &mut [f64]) {}
 
     #[inline(always)]
     fn update<S: Simd>(&self, k: &Kinematics<S>, _history: &mut [S]) -> Response<S> {

@@ -1,6 +1,8 @@
 //! Rows of `history.csv`.
 use crate::output::history::{Cell, Column};
-use crate::simulation::ledger::Report;
+use crate::simulation::failures;
+use crate::simulation::ledger::{MaterialReport, Report};
+use crate::simulation::populate::declared;
 use scene::Scene;
 
 /// The columns of a scene.
@@ -12,19 +14,7 @@ pub fn columns(scene: &Scene) -> Vec<Column> {
         Column::global("limited_by", ""),
     ];
     for material in &scene.materials {
-        let mut add = |name: &str, unit| columns.push(Column::of(&material.name, name, unit));
-        for part in ["kinetic", "strain", "plastic", "fracture", "viscosity"] {
-            add(part, "j");
-        }
-        for axis in ["x", "y", "z"] {
-            add(&format!("mean_velocity_{axis}"), "m_s");
-        }
-        for axis in ["x", "y", "z"] {
-            add(&format!("center_{axis}"), "m");
-        }
-        for kind in ["matrix", "fiber", "total", "crushed"] {
-            add(&format!("failed_{kind}"), "");
-        }
+        material_columns(&material.name, declared(&material.behavior).counts, &mut columns);
     }
     for part in ["friction", "impact", "transfer", "boundary_work", "deleted", "residual"] {
         columns.push(Column::global(part, "j"));
@@ -33,18 +23,33 @@ pub fn columns(scene: &Scene) -> Vec<Column> {
     columns
 }
 
+/// The columns of a material whose law counts these states. Those of failure are always there, zero where the law does not
+/// know it.
+fn material_columns(material: &str, counts: &[&str], columns: &mut Vec<Column>) {
+    let mut add = |name: &str, unit| columns.push(Column::of(material, name, unit));
+    for part in ["kinetic", "strain", "plastic", "fracture", "viscosity"] {
+        add(part, "j");
+    }
+    for axis in ["x", "y", "z"] {
+        add(&format!("mean_velocity_{axis}"), "m_s");
+    }
+    for axis in ["x", "y", "z"] {
+        add(&format!("center_{axis}"), "m");
+    }
+    for state in failures::STATES {
+        add(&format!("failed_{state}"), "");
+    }
+    for state in counts.iter().filter(|state| !failures::is_one(state)) {
+        add(&format!("count_{state}"), "");
+    }
+}
+
 /// What a report says in these columns.
 pub fn cells(report: &Report) -> Vec<Cell<'_>> {
     let limit = report.limited_by.as_str();
     let mut cells: Vec<Cell<'_>> =
         vec![report.time.into(), report.steps.into(), report.step.into(), limit.into()];
-    for m in &report.materials {
-        let e = &m.energies;
-        cells.extend([e.kinetic, e.strain, e.plastic, e.fracture, e.viscous].map(Cell::from));
-        cells.extend(m.velocity().map(Cell::from));
-        cells.extend(m.center.map(Cell::from));
-        cells.extend(m.failed.map(Cell::from));
-    }
+    report.materials.iter().for_each(|m| material_cells(m, &mut cells));
     let parts = [
         report.friction,
         report.impact,
@@ -56,4 +61,39 @@ pub fn cells(report: &Report) -> Vec<Cell<'_>> {
     cells.extend(parts.map(Cell::from));
     cells.push(report.deleted.into());
     cells
+}
+
+fn material_cells(m: &MaterialReport, cells: &mut Vec<Cell<'_>>) {
+    let e = &m.energies;
+    cells.extend([e.kinetic, e.strain, e.plastic, e.fracture, e.viscous].map(Cell::from));
+    cells.extend(m.velocity().map(Cell::from));
+    cells.extend(m.center.map(Cell::from));
+    cells.extend(failures::STATES.map(|state| Cell::from(m.count(state))));
+    let others = m.counts.iter().filter(|(state, _)| !failures::is_one(state));
+    cells.extend(others.map(|&(_, count)| Cell::from(count)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_s_own_counts_follow_those_of_failure() {
+        let mut columns = Vec::new();
+        material_columns("steel", &["yielding", "crushed", "molten"], &mut columns);
+        let counts = [("yielding", 7), ("crushed", 5), ("molten", 3)].to_vec();
+        let mut cells = Vec::new();
+        material_cells(&MaterialReport { counts, ..MaterialReport::default() }, &mut cells);
+        assert_eq!(columns.len(), cells.len());
+        let row: Vec<_> = columns.iter().map(Column::header).zip(cells).collect();
+        let expected = [
+            ("steel.failed_matrix", 0),
+            ("steel.failed_fiber", 0),
+            ("steel.failed_total", 0),
+            ("steel.failed_crushed", 5),
+            ("steel.count_yielding", 7),
+            ("steel.count_molten", 3),
+        ];
+        assert_eq!(row[11..], expected.map(|(name, count)| (name.to_owned(), Cell::Count(count))));
+    }
 }

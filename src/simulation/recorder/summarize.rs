@@ -1,18 +1,10 @@
 //! What `summary.json` says about a run.
 use crate::output;
-use crate::output::summary::{self, Energy, Failed, FirstFailure, MaterialSummary, Status, Summary};
-use crate::simulation::Simulation;
-use crate::simulation::ledger::{MaterialReport, Report};
-use engine::exec::ranks::Network;
-use engine::exec::ranks::collective;
+use crate::output::summary::{self, Energy, FirstFailure, MaterialSummary, Status, Summary};
+use crate::simulation::ledger::{FirstEvent, MaterialReport, Report};
+use crate::simulation::{Simulation, failures};
+use engine::exec::ranks::{Network, collective};
 use std::collections::BTreeMap;
-
-fn failed(reports: &[&MaterialReport]) -> Failed {
-    let particles = reports.iter().map(|m| m.particles).sum::<u64>().max(1) as f64;
-    let kind = |i: usize| reports.iter().map(|m| m.failed[i]).sum::<u64>() as f64 / particles;
-    let [matrix, fiber, total] = [kind(0), kind(1), kind(2) + kind(3)];
-    Failed { matrix, fiber, total, any: matrix + fiber + total }
-}
 
 /// How a run ended, and the seconds that it took.
 pub struct Ending {
@@ -40,12 +32,13 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
     let total = |part: fn(&MaterialReport) -> [f64; 3]| {
         report.materials.iter().map(part).fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
     };
-    let failing: Vec<&MaterialReport> = report.materials.iter().filter(|m| m.fails).collect();
+    let failing: Vec<&MaterialReport> = report.materials.iter().filter(|m| failures::known(m)).collect();
     let balance = simulation.balance();
     let balance = serde_json::json!({
         "moves": balance.moves, "patches": balance.patches, "imbalance": balance.imbalance,
     });
-    let more = [
+    let is_failure = |event: &str| failures::EVENTS.contains(&event);
+    let mut more = BTreeMap::from([
         ("memory_bytes", serde_json::json!({ "particles": particle_bytes, "nodes": node_bytes })),
         ("peak_bytes", peak_bytes.into()),
         ("balance", balance),
@@ -53,7 +46,11 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
         ("stepping_s", stepping_s.into()),
         ("ticks", simulation.ticks().into()),
         ("updates", updates.into()),
-    ];
+    ]);
+    let others = first_events(&report, |event| !is_failure(event));
+    if !others.is_empty() {
+        more.insert("first_event", serde_json::json!(others));
+    }
     Ok(Summary {
         status,
         error,
@@ -84,12 +81,12 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
             boundary_work: report.boundary_work,
             residual: report.residual,
         },
-        failed_fraction: failed(&failing),
-        first_failure: first_failures(&report),
+        failed_fraction: failures::fractions(&failing),
+        first_failure: first_events(&report, is_failure),
         deleted_particles: report.deleted,
-        crushed_particles: report.materials.iter().map(|m| m.failed[3]).sum(),
+        crushed_particles: failures::total(&report, "crushed"),
         materials: materials(simulation, &report),
-        more: more.map(|(k, v)| (k.to_owned(), v)).into(),
+        more: more.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
     })
 }
 
@@ -112,19 +109,20 @@ fn peak_bytes() -> u64 {
     number.map_or(0, |kilobytes| 1024 * kilobytes)
 }
 
-fn first_failures(report: &Report) -> BTreeMap<String, FirstFailure> {
-    let kinds = ["matrix", "fiber"].into_iter().enumerate();
-    let first = |kind: usize| {
-        let all = report.materials.iter().filter_map(|m| m.first_failure[kind]);
-        all.min_by(|a, b| a.time.total_cmp(&b.time))
-    };
-    kinds
-        .filter_map(|(i, name)| {
-            let f = first(i)?;
-            let first = FirstFailure { time_s: f.time, position_m: f.position, particle: f.particle };
-            Some((name.to_owned(), first))
-        })
-        .collect()
+/// The first of each event that is `wanted`, over all materials.
+fn first_events(report: &Report, wanted: impl Fn(&str) -> bool) -> BTreeMap<String, FirstFailure> {
+    let names = report.materials.iter().flat_map(|m| &m.first).map(|&(name, _)| name);
+    let place = |f: FirstEvent| FirstFailure { time_s: f.time, position_m: f.position, particle: f.particle };
+    let first = |name: &str| Some((name.to_owned(), place(failures::first(report, name)?)));
+    names.filter(|name| wanted(name)).filter_map(first).collect()
+}
+
+/// What the law of a material counts beside failure.
+fn counts(m: &MaterialReport) -> BTreeMap<String, serde_json::Value> {
+    let others = m.counts.iter().filter(|(state, _)| !failures::is_one(state));
+    let counts: BTreeMap<_, _> = others.copied().collect();
+    let all = (!counts.is_empty()).then(|| ("counts".to_owned(), serde_json::json!(counts)));
+    all.into_iter().collect()
 }
 
 fn materials(simulation: &Simulation, report: &Report) -> BTreeMap<String, MaterialSummary> {
@@ -134,8 +132,37 @@ fn materials(simulation: &Simulation, report: &Report) -> BTreeMap<String, Mater
         mass_kg: m.mass,
         mean_velocity_m_s: m.velocity(),
         center_of_mass_m: m.center,
-        failed_fraction: m.fails.then(|| failed(&[m])),
-        more: BTreeMap::new(),
+        failed_fraction: failures::known(m).then(|| failures::fractions(&[m])),
+        more: counts(m),
     };
     pairs.map(|(material, m)| (material.name.clone(), one(m))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_law_s_own_events_and_counts_are_told_by_name() {
+        let at = |time, particle| Some(FirstEvent { time, particle, position: [1.0, 2.0, 3.0] });
+        let material = |counts: &[_], first: &[_]| MaterialReport {
+            counts: counts.to_vec(),
+            first: first.to_vec(),
+            particles: 10,
+            ..MaterialReport::default()
+        };
+        let tissue = material(&[("matrix", 1), ("crushed", 2)], &[("matrix", at(4.0, 1)), ("fiber", None)]);
+        let steel = material(&[("molten", 3)], &[("melts", at(2.0, 7))]);
+        assert!(failures::known(&tissue) && !failures::known(&steel));
+        assert_eq!(failures::fractions(&[&tissue]).any, 0.1 + 0.2);
+        assert!(counts(&tissue).is_empty());
+        assert_eq!(counts(&steel)["counts"], serde_json::json!({ "molten": 3 }));
+        let materials =
+            vec![tissue, steel.clone(), MaterialReport { first: vec![("melts", at(1.0, 9))], ..steel }];
+        let report = Report { materials, ..Report::default() };
+        let told = first_events(&report, |_| true);
+        assert_eq!(told.keys().collect::<Vec<_>>(), ["matrix", "melts"]);
+        assert_eq!((told["melts"].time_s, told["melts"].particle), (1.0, 9));
+        assert_eq!(failures::total(&report, "crushed"), 2);
+    }
 }

@@ -1,6 +1,6 @@
 //! When tissue fails, as types: the criterion is compiled into the law.
 use super::{State, Terms};
-use crate::law::{Events, Kinematics, Variable, inadmissible};
+use crate::law::{Events, Kinematics, MAX_COUNTS, MAX_EVENTS, Variable, inadmissible};
 use crate::tensor::{determinant, solve};
 use simd::{Mask, Simd};
 
@@ -43,6 +43,12 @@ pub trait Failure: Copy + Send + Sync + 'static {
     /// Fiber direction and the numbers of the criterion.
     const HISTORY: &'static [Variable];
 
+    /// Names of what can happen.
+    const EVENTS: &'static [&'static str] = &[];
+
+    /// Names of the states whose particles are counted.
+    const COUNTS: &'static [&'static str] = &[];
+
     /// Judges the step. `stored(F, J)` are the energies of all terms; it is dear.
     fn judge<S: Simd>(
         &self,
@@ -54,6 +60,12 @@ pub trait Failure: Copy + Send + Sync + 'static {
 
     /// What acts at a volume ratio J.
     fn present<S: Simd>(&self, j: S, history: &[S]) -> Present;
+
+    /// Which particles are in each state of `COUNTS`.
+    #[inline(always)]
+    fn counts<S: Simd>(&self, _history: &[S]) -> [Mask; MAX_COUNTS] {
+        [0; MAX_COUNTS]
+    }
 
     /// Energy released so far [J/m³].
     fn released<S: Simd>(&self, history: &[S]) -> S;
@@ -166,6 +178,8 @@ impl Failure for TwoSurface {
         Variable { name: "failure", unit: "1" },
         Variable { name: "fracture_energy", unit: "J/m^3" },
     ];
+    const EVENTS: &'static [&'static str] = &["matrix", "fiber"];
+    const COUNTS: &'static [&'static str] = &["matrix", "fiber", "total", "crushed"];
 
     #[inline(always)]
     fn judge<S: Simd>(
@@ -186,10 +200,11 @@ impl Failure for TwoSurface {
             fiber: was.fiber | torn & sound | crushed,
             crushed: was.crushed | crushed,
         };
-        let matrix_failed = now.matrix & !was.matrix;
-        let fiber_failed = now.fiber & !was.fiber;
+        let mut own = [0; MAX_EVENTS];
+        own[0] = now.matrix & !was.matrix;
+        own[1] = now.fiber & !was.fiber;
         let frozen = self.frozen(now);
-        if matrix_failed | fiber_failed | crushed != 0 {
+        if own[0] | own[1] | crushed != 0 {
             // a crushed particle releases what it held before the step, if that can be known
             let old = solve(&k.increment, &k.f);
             let f: [S; 9] = std::array::from_fn(|i| S::select(crushed, old[i], k.f[i]));
@@ -199,12 +214,23 @@ impl Failure for TwoSurface {
             history[0] = now.code();
             history[1] = history[1] + released;
         }
-        let events = Events { matrix_failed, fiber_failed, inverted: bad & !frozen, frozen };
+        let events = Events { own, inverted: bad & !frozen, frozen };
         Verdict { present: self.terms_left(now, state.j), events }
     }
     #[inline(always)]
     fn present<S: Simd>(&self, j: S, history: &[S]) -> Present {
         self.terms_left(Failed::from_code(history[0]), j)
+    }
+    #[inline(always)]
+    fn counts<S: Simd>(&self, history: &[S]) -> [Mask; MAX_COUNTS] {
+        let Failed { matrix, fiber, crushed } = Failed::from_code(history[0]);
+        // each particle in one of them: failed in its matrix alone, in its fibers alone, in both, in both by inversion
+        let mut counts = [0; MAX_COUNTS];
+        counts[0] = matrix & !fiber;
+        counts[1] = fiber & !matrix;
+        counts[2] = matrix & fiber & !crushed;
+        counts[3] = crushed;
+        counts
     }
     #[inline(always)]
     fn released<S: Simd>(&self, history: &[S]) -> S {

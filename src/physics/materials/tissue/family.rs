@@ -1,7 +1,7 @@
 //! The word `tissue` in a scene, and the laws that its parameters choose among.
 use super::super::AnyLaw;
 use super::{NoFailure, Tissue, TwoSurface};
-use crate::parameter::{Described, Dimension, Parameter, Values};
+use crate::parameter::{Described, Dimension, Parameter, Refusal, Values};
 use simd::Mask;
 
 /// All monomorphisations of [`Tissue`], as one described law.
@@ -54,7 +54,9 @@ impl Described for Family {
         ),
     ];
 
-    fn build(values: &Values) -> Result<AnyLaw, (&'static str, String)> {
+    type Built = AnyLaw;
+
+    fn build(values: &Values) -> Result<AnyLaw, Refusal> {
         let fails = values.choice("inversion") == "fail";
         if values.choice("failure") == "none" {
             if fails {

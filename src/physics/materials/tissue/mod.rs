@@ -6,9 +6,22 @@ pub use failure::{Failure, NoFailure, Present, TwoSurface, Verdict};
 pub use family::Family;
 
 use crate::acoustic::Stiffness;
-use crate::law::{Energies, Events, Kinematics, Law, Response, Variable, inadmissible};
-use crate::tensor::{apply, deviator_invariants, scaled, times_transpose};
-use simd::{Mask, Simd, math};
+use crate::law::Energies;
+use crate::law::Events;
+use crate::law::Kinematics;
+use crate::law::Law;
+use crate::law::MAX_COUNTS;
+use crate::law::Reference;
+use crate::law::Response;
+use crate::law::Variable;
+use crate::law::inadmissible;
+use crate::tensor::apply;
+use crate::tensor::deviator_invariants;
+use crate::tensor::scaled;
+use crate::tensor::times_transpose;
+use simd::Mask;
+use simd::Simd;
+use simd::math;
 
 /// Transversely isotropic hyperelasticity (Weiss, Maker & Govindjee 1996; Ionescu et al. 2006, eqs. 1–5):
 /// W = C₁ (tr b̃ − 3) + F₂(λ̃) + K/2 (ln J)², with b̃ = J^(−2/3) F Fᵀ, λ̃ = J^(−1/3) λ, λ = |F a₀|, and
@@ -182,10 +195,12 @@ impl<F> Tissue<F> {
 
 impl<F: Failure> Law for Tissue<F> {
     const HISTORY: &'static [Variable] = F::HISTORY;
+    const EVENTS: &'static [&'static str] = F::EVENTS;
+    const COUNTS: &'static [&'static str] = F::COUNTS;
 
-    fn initial(&self, fiber: [f64; 3], history: &mut [f64]) {
+    fn initial(&self, reference: &Reference, history: &mut [f64]) {
         history.fill(0.0);
-        history[..3].copy_from_slice(&fiber);
+        history[..3].copy_from_slice(&reference.fiber);
     }
 
     #[inline(always)]
@@ -195,6 +210,11 @@ impl<F: Failure> Law for Tissue<F> {
         let stored = |f: &[S; 9], j: S| self.terms(&State::new(f, j, &fiber));
         let Verdict { present, events } = self.failure.judge(&state, k, &mut history[3..], stored);
         self.respond(&state, present, events)
+    }
+
+    #[inline(always)]
+    fn counts<S: Simd>(&self, history: &[S]) -> [Mask; MAX_COUNTS] {
+        self.failure.counts(&history[3..])
     }
 
     #[inline(always)]

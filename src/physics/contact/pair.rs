@@ -1,0 +1,48 @@
+//! A pair of materials at a node, and what a contact law makes of it.
+
+/// What a contact law sees of a pair at a node. The first material is a, the second b.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// v_a − v_b [m/s]
+    pub relative: [f64; 3],
+    /// Reduced mass m_a m_b / (m_a + m_b) [kg].
+    pub reduced_mass: f64,
+    /// Unit normal from a to b.
+    pub normal: [f64; 3],
+    /// Normal traction between the surfaces, positive in tension [Pa].
+    pub traction: f64,
+}
+
+/// What a contact law answers: impulses on a; b receives the opposite [N s].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Exchange {
+    /// Along the normal.
+    pub normal: [f64; 3],
+    /// Across it.
+    pub friction: [f64; 3],
+}
+
+/// A contact law: a pure function of a pair. Its parameters are its fields.
+///
+/// A new one is one file with this and [`Described`](crate::parameter::Described), and one line in
+/// [`contact`](super).
+pub trait ContactLaw {
+    /// The impulses that the pair exchanges where its surfaces touch.
+    fn exchange(&self, pair: &Pair) -> Exchange;
+}
+
+impl Pair {
+    /// The exchange that changes the relative velocity by −`along` n and by −`across`.
+    pub(super) fn exchange(&self, along: f64, across: [f64; 3]) -> Exchange {
+        Exchange {
+            normal: self.normal.map(|n| -self.reduced_mass * along * n),
+            friction: across.map(|v| -self.reduced_mass * v),
+        }
+    }
+}
+
+/// a · b
+#[inline(always)]
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
