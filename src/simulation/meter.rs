@@ -1,5 +1,5 @@
 //! The same simulation on other workers, and what its steps take.
-use super::{RunError, Simulation, Workers};
+use super::{RunError, Simulation, backend};
 use engine::exec::Engine;
 use engine::exec::meter::Tally;
 use simd::Isa;
@@ -11,7 +11,7 @@ impl Simulation {
     /// # Errors
     /// Threads that do not start.
     pub fn go_on_with(&mut self, threads: usize, isa: Isa) -> Result<(), RunError> {
-        self.engine = Engine::new(Workers::new(threads)?, isa, &self.warehouse);
+        self.engine = Engine::new(backend(threads)?, isa, &self.warehouse);
         Ok(())
     }
 

@@ -26,7 +26,7 @@ use engine::data::rates::Clock;
 use engine::data::warehouse::Warehouse;
 pub use engine::exec::ranks::launch::available_threads;
 use engine::exec::ranks::{Alone, Network, NetworkError, collective};
-use engine::exec::{Engine, Executor, Serial, Threads};
+use engine::exec::{Backend, Engine, Serial, Threads};
 use engine::graph::build::TaskGraph;
 use engine::graph::error::GraphError;
 use engine::program::{Program, Script};
@@ -64,44 +64,12 @@ pub fn step_graph(scene: &Scene, patches: usize) -> Result<TaskGraph, GraphError
     step_program(scene, patches).map(Program::into_main_graph)
 }
 
-/// Serial or threaded.
-pub enum Workers {
-    /// The calling thread.
-    Serial(Serial),
-    /// A pool.
-    Threads(Threads),
-}
-
-impl Workers {
-    fn new(threads: usize) -> Result<Self, RunError> {
-        match threads {
-            1 => Ok(Workers::Serial(Serial)),
-            n => Ok(Workers::Threads(Threads::new(n)?)),
-        }
-    }
-}
-
-impl Executor for Workers {
-    fn each<T: Send>(&self, items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
-        match self {
-            Workers::Serial(executor) => executor.each(items, work),
-            Workers::Threads(executor) => executor.each(items, work),
-        }
-    }
-
-    fn enter<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        match self {
-            Workers::Serial(executor) => executor.enter(work),
-            Workers::Threads(executor) => executor.enter(work),
-        }
-    }
-
-    fn workers(&self) -> usize {
-        match self {
-            Workers::Serial(executor) => executor.workers(),
-            Workers::Threads(executor) => executor.workers(),
-        }
-    }
+/// The calling thread, or a pool of threads.
+fn backend(threads: usize) -> Result<Box<dyn Backend>, RunError> {
+    Ok(match threads {
+        1 => Box::new(Serial),
+        n => Box::new(Threads::new(n)?),
+    })
 }
 
 /// A simulation between two steps.
@@ -113,7 +81,7 @@ pub struct Simulation {
     /// The program of a step.
     pub program: Program,
     report_program: Program,
-    engine: Engine<Workers>,
+    engine: Engine,
     network: Box<dyn Network>,
     ledger: Ledger,
     steps: u64,
@@ -168,7 +136,7 @@ impl Simulation {
         let labels = |material| populate::layout_of(&scene, &program, material);
         let mut warehouse = populate::empty(&scene, decomposition, partition, labels, program.labels());
         fill(&scene, &mut warehouse)?;
-        let engine = Engine::new(Workers::new(threads)?, isa, &warehouse);
+        let engine = Engine::new(backend(threads)?, isa, &warehouse);
         let (ledger, balance) = (Ledger::default(), Balance::default());
         let (steps, updates) = (0, 0);
         Ok(Self {
@@ -183,6 +151,11 @@ impl Simulation {
             updates,
             balance,
         })
+    }
+
+    /// Goes on with another backend.
+    pub fn set_backend(&mut self, backend: Box<dyn Backend>) {
+        self.engine = Engine::new(backend, self.engine.isa(), &self.warehouse);
     }
 
     /// The graph of a tick.

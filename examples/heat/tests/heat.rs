@@ -1,7 +1,7 @@
 //! Heat on the engine: against closed forms, and the same bits on any patches, threads and ranks.
 use engine::exec::ranks::local::Local;
 use engine::exec::ranks::{Alone, Network, collective};
-use engine::exec::{Engine, Executor, Serial, Threads, Undirected};
+use engine::exec::{Backend, Engine, Serial, Threads, Undirected};
 use engine::grid::{Level, Partition};
 use engine::program::{Node, hazards};
 use engine::schema::Label;
@@ -20,12 +20,12 @@ fn cosine(x: [f64; 3]) -> f64 {
 }
 
 /// (identity, x, T) of all particles of a rank after some steps.
-fn run<E: Executor>(
+fn run(
     heat: Heat,
     (level, patches): (Level, [usize; 3]),
     steps: usize,
     network: &mut dyn Network,
-    executor: E,
+    backend: impl Backend + 'static,
 ) -> Vec<(u64, [f64; 3], f64)> {
     let count = patches.iter().product();
     let program = heat.program(&level, count).expect("a program");
@@ -33,7 +33,7 @@ fn run<E: Executor>(
     let place = (patches, network.rank(), network.size());
     let mut warehouse =
         Heat::start(&program, (level, 2), place, |x| 300.0 + 100.0 * cosine(x)).expect("particles");
-    let mut engine = Engine::new(executor, Isa::detect(), &warehouse);
+    let mut engine = Engine::new(Box::new(backend), Isa::detect(), &warehouse);
     for step in 0..steps {
         if step == steps / 2 && network.size() > 1 {
             // patches change their rank in the middle of it

@@ -1,4 +1,4 @@
-//! Time, and the steps that materials take.
+//! Clocks, and the steps that materials take.
 use bytemuck::{Pod, Zeroable};
 
 /// Time and the present tick: the step of the fastest material, and a part of the steps of slower ones.

@@ -1,9 +1,11 @@
 //! Programs as they run: their graphs one after the other, loops until they are done.
+use super::Engine;
+use super::backend::Purpose;
 use super::meter::What;
 use super::ranks::{Network, NetworkError};
 use super::relocate::Relocation;
 use super::traveler::Traveler;
-use super::{Engine, Executor};
+use super::work::Blocks;
 use crate::data::shared::Shared;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::graph::build::TaskGraph;
@@ -87,7 +89,7 @@ impl Conductor for Undirected {
     }
 }
 
-impl<E: Executor> Engine<E> {
+impl Engine {
     /// Runs a program once.
     ///
     /// # Errors
@@ -99,7 +101,10 @@ impl<E: Executor> Engine<E> {
         network: &mut dyn Network,
         conductor: &mut C,
     ) -> Result<(), C::Error> {
-        self.nodes(&program.nodes, warehouse, network, conductor)
+        self.backend.from_host(Purpose::Program, &mut Blocks::of(warehouse));
+        let done = self.nodes(&program.nodes, warehouse, network, conductor);
+        self.backend.to_host(Purpose::Program, &mut Blocks::of(warehouse));
+        done
     }
 
     fn nodes<C: Conductor>(
@@ -141,9 +146,11 @@ impl<E: Executor> Engine<E> {
         let mut puts_back = |particle: &mut Traveler, materials: &[MaterialData], shared: &mut Shared| {
             conductor.puts_back(particle, materials, shared)
         };
+        self.backend.to_host(Purpose::Relocation, &mut Blocks::of(warehouse));
         let relocation = self.relocate(graph, warehouse, network, &mut puts_back)?;
         conductor.ran(graph, warehouse, &relocation)?;
         self.metered(What::Relocation, || relocation.carry_out(warehouse));
+        self.backend.from_host(Purpose::Relocation, &mut Blocks::of(warehouse));
         Ok(())
     }
 }

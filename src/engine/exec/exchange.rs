@@ -1,14 +1,15 @@
 //! Exchanges of a wave as they are carried out: packed, sent, expected, taken in as they arrive.
-use super::Executor;
+use super::backend::{Backend, Call, Purpose};
 use super::ranks::halos::Halos;
 use super::ranks::{Channel, Network, NetworkError};
 use super::trace::Event;
-use super::work::{Blocks, Work};
+use super::work::Blocks;
 use crate::graph::exchange::{Exchange, Way};
 use simd::Wide;
 
 /// The messages of a wave.
 pub struct Exchanges<'a> {
+    backend: &'a dyn Backend,
     network: &'a mut dyn Network,
     halos: &'a Halos,
     all: &'a [Exchange],
@@ -19,56 +20,59 @@ pub struct Exchanges<'a> {
 impl<'a> Exchanges<'a> {
     /// The exchanges of a graph, between the ranks that `halos` knows. `memory` is empty.
     pub fn new(
+        backend: &'a dyn Backend,
         network: &'a mut dyn Network,
         halos: &'a Halos,
         all: &'a [Exchange],
         memory: &'a mut Vec<(usize, usize)>,
     ) -> Self {
-        Self { network, halos, all, outstanding: memory }
+        Self { backend, network, halos, all, outstanding: memory }
     }
 
     /// Makes room for the messages of an exchange.
-    pub fn expect<E: Executor>(&mut self, number: usize, work: &Work<'_, E>) {
+    pub fn expect(&mut self, number: usize, call: &Call<'_>) {
         let exchange = &self.all[number];
-        for (rank, most) in self.halos.senders(exchange, &work.context) {
+        for (rank, most) in self.halos.senders(exchange, &call.context) {
             self.network.expect(rank, Channel::Halo(number as u16), most);
             self.outstanding.push((number, rank));
         }
     }
 
     /// Packs and sends.
-    pub fn send<E: Executor>(&mut self, number: usize, work: &Work<'_, E>, data: &Blocks<'_>) {
-        let (exchange, began) = (&self.all[number], work.watch.trace.now());
+    pub fn send(&mut self, number: usize, call: &Call<'_>, data: &mut Blocks<'_>) {
+        let (exchange, began) = (&self.all[number], call.watch.trace.now());
         let channel = Channel::Halo(number as u16);
+        self.backend.to_host(Purpose::Exchange(exchange), data);
         let [messages, lines] = match exchange.way {
             Way::Partials => {
                 let to = (&mut *self.network, channel);
-                self.halos.send_partials(to, exchange, &work.context, data.particles, work.executor)
+                self.halos.send_partials(to, exchange, &call.context, data.particles, self.backend)
             }
             Way::Values => {
                 let from = (&*data.particles, &*data.nodes);
-                self.halos.send_values((&mut *self.network, channel), exchange, &work.context, from)
+                self.halos.send_values((&mut *self.network, channel), exchange, &call.context, from)
             }
         };
         let event = Event::halo(exchange.from.unwrap_or(exchange.to));
-        work.watch.trace.record(0, began, event.sent(messages, lines * size_of::<Wide>()));
+        self.backend.from_host(Purpose::Exchange(exchange), data);
+        call.watch.trace.record(0, began, event.sent(messages, lines * size_of::<Wide>()));
     }
 
     /// Takes in what has arrived of an exchange; waits for the rest if there is nothing else to do. Returns whether all is here.
     ///
     /// # Errors
     /// If a rank is gone, or a message has another length than the blocks say.
-    pub fn take<E: Executor>(
+    pub fn take(
         &mut self,
         number: usize,
-        work: &mut Work<'_, E>,
+        call: &Call<'_>,
         data: &mut Blocks<'_>,
         wait: bool,
     ) -> Result<bool, NetworkError> {
         if !self.outstanding.iter().any(|(exchange, _)| *exchange == number) {
             return Ok(true);
         }
-        let (exchange, began) = (&self.all[number], work.watch.trace.now());
+        let (exchange, began) = (&self.all[number], call.watch.trace.now());
         let channel = Channel::Halo(number as u16);
         let mut at = 0;
         while at < self.outstanding.len() {
@@ -84,24 +88,21 @@ impl<'a> Exchanges<'a> {
             };
             self.outstanding.swap_remove(at);
             let from = (rank, channel, &message[..]);
+            self.backend.to_host(Purpose::Exchange(exchange), data);
             match exchange.way {
                 Way::Partials => {
-                    self.halos.unpack_partials(
-                        from,
-                        exchange,
-                        &work.context,
-                        data.particles,
-                        work.executor,
-                    )?;
+                    let into = (&mut *data.particles, self.backend);
+                    self.halos.unpack_partials(from, exchange, &call.context, into)?;
                 }
                 Way::Values => {
                     let into = (&*data.particles, &mut *data.nodes);
-                    self.halos.unpack_values(from, exchange, &work.context, into)?;
+                    self.halos.unpack_values(from, exchange, &call.context, into)?;
                 }
             }
+            self.backend.from_host(Purpose::Exchange(exchange), data);
             self.network.give_back(message);
         }
-        work.watch.trace.record(0, began, Event::halo(exchange.to));
+        call.watch.trace.record(0, began, Event::halo(exchange.to));
         Ok(!self.outstanding.iter().any(|(exchange, _)| *exchange == number))
     }
 }

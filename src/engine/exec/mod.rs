@@ -1,4 +1,5 @@
 //! Runs a graph on a warehouse. Knows labels, blocks and threads; knows no physics.
+pub mod backend;
 pub mod buffers;
 mod conduct;
 mod exchange;
@@ -19,6 +20,7 @@ pub mod traveler;
 pub mod wave;
 pub mod work;
 
+pub use backend::Backend;
 pub use conduct::{Conductor, Stopped, Undirected};
 pub use serial::Serial;
 pub use step::Engine;

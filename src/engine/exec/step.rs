@@ -1,5 +1,5 @@
 //! Runs graphs: the segments of a tick, one after the other.
-use super::Executor;
+use super::backend::{Backend, Call, Purpose};
 use super::buffers::Buffers;
 use super::exchange::Exchanges;
 use super::lending::{begin, collect, lend};
@@ -15,7 +15,7 @@ use super::scratch::Scratch;
 use super::stage::{self, Context};
 use super::trace::{Event, Recorder};
 use super::wave;
-use super::work::{Blocks, Memory, Watch, Which, Work, lock};
+use super::work::{Blocks, Memory, Watch, Which, lock};
 use crate::data::schedule::Schedule;
 use crate::data::shared::Shared;
 use crate::data::warehouse::Warehouse;
@@ -27,9 +27,9 @@ use simd::Isa;
 use std::ops::Range;
 use std::sync::Mutex;
 
-/// Runs graphs with an executor. Keeps what workers need between steps.
-pub struct Engine<E> {
-    executor: E,
+/// Runs graphs on a backend. Keeps what workers need between steps.
+pub struct Engine {
+    pub(super) backend: Box<dyn Backend>,
     isa: Isa,
     scratch: Vec<Mutex<Scratch>>,
     schedule: Schedule,
@@ -52,12 +52,12 @@ pub struct Engine<E> {
     trace: Recorder,
 }
 
-impl<E: Executor> Engine<E> {
+impl Engine {
     /// An engine for runs on `warehouse`.
-    pub fn new(executor: E, isa: Isa, warehouse: &Warehouse) -> Self {
-        let scratch = (0..executor.workers()).map(|_| Mutex::new(Scratch::new(warehouse))).collect();
+    pub fn new(backend: Box<dyn Backend>, isa: Isa, warehouse: &Warehouse) -> Self {
+        let scratch = (0..backend.workers()).map(|_| Mutex::new(Scratch::new(warehouse))).collect();
         Self {
-            executor,
+            backend,
             isa,
             scratch,
             schedule: Schedule::everyone(warehouse.materials.len()),
@@ -86,7 +86,7 @@ impl<E: Executor> Engine<E> {
 
     /// Number of workers.
     pub fn workers(&self) -> usize {
-        self.executor.workers()
+        self.backend.workers()
     }
 
     /// Meters what is run from now on, or stops that. See [`super::meter`].
@@ -180,7 +180,9 @@ impl<E: Executor> Engine<E> {
         if network.size() > 1 {
             occupied::tell(network, warehouse, &self.beside)?;
         }
+        self.backend.to_host(Purpose::Activation, &mut Blocks::of(warehouse));
         self.metered(What::Activation, || warehouse.activate());
+        self.backend.from_host(Purpose::Activation, &mut Blocks::of(warehouse));
         if network.size() > 1 {
             self.halos = Halos::new(warehouse, &self.beside);
         }
@@ -267,7 +269,7 @@ impl<E: Executor> Engine<E> {
     ) -> Result<(), NetworkError> {
         let (isa, metered, weighing) = (self.isa, self.metered, self.weighing);
         let Self {
-            executor, scratch, schedule, memory, buffers, slabs, wave, halos, outstanding, trace, ..
+            backend, scratch, schedule, memory, buffers, slabs, wave, halos, outstanding, trace, ..
         } = self;
         let phases = &graph.phases[numbers.clone()];
         let span = tracing::debug_span!("wave", tasks = tracing::field::Empty);
@@ -285,7 +287,7 @@ impl<E: Executor> Engine<E> {
         phases.iter().for_each(|phase| begin(phase, schedule, shared));
         lend(phases, scratch, shared);
         let watch = Watch { weighing, trace };
-        let mut work = Work { executor: &*executor, context, scratch, memory, metered, watch };
+        let mut call = Call { context, scratch, memory, metered, watch };
         let alone = network.size() == 1;
         wave.fill(graph, numbers, slabs.len(), alone);
         let which = |part| match part {
@@ -293,25 +295,28 @@ impl<E: Executor> Engine<E> {
             Part::Interior(slab) => Which::Interior(&slabs[slab]),
             Part::Rim => Which::Rim(&whole),
         };
+        let backend = &**backend;
         if alone {
-            executor.enter(|| {
+            backend.enter(&mut || {
                 for op in wave.ops() {
                     let Op::Work(phase, part) = op else { continue };
-                    work.over(&graph.phases[phase], which(part), &mut data);
+                    backend.run(&mut call, &graph.phases[phase], which(part), &mut data);
                 }
             });
         } else {
-            let mut exchanges = Exchanges::new(network, halos, &graph.exchanges, outstanding);
+            let mut exchanges = Exchanges::new(backend, network, halos, &graph.exchanges, outstanding);
             let mut cursor = Cursor::default();
             while let Some(op) =
-                cursor.next(wave, |exchange| exchanges.take(exchange, &mut work, &mut data, false))?
+                cursor.next(wave, |exchange| exchanges.take(exchange, &call, &mut data, false))?
             {
                 match op {
-                    Op::Work(phase, part) => work.over(&graph.phases[phase], which(part), &mut data),
-                    Op::Send(exchange) => exchanges.send(exchange, &work, &data),
-                    Op::Expect(exchange) => exchanges.expect(exchange, &work),
+                    Op::Work(phase, part) => {
+                        backend.run(&mut call, &graph.phases[phase], which(part), &mut data);
+                    }
+                    Op::Send(exchange) => exchanges.send(exchange, &call, &mut data),
+                    Op::Expect(exchange) => exchanges.expect(exchange, &call),
                     Op::Unpack(exchange) => {
-                        exchanges.take(exchange, &mut work, &mut data, true)?;
+                        exchanges.take(exchange, &call, &mut data, true)?;
                     }
                     _ => {}
                 }
@@ -342,7 +347,8 @@ pub fn context<'a>(
     } = warehouse;
     let (recipe, shape, first_layer) = (&graph.recipe, level.shape(), level.blocks().lower[0]);
     let context = Context { isa, recipe, level, shape, materials, fields, node_layout, schedule, buffers };
-    (context, shared, Blocks { decomposition, first_layer, partition, particles, nodes })
+    let blocks = Blocks { materials, node_layout, decomposition, first_layer, partition, particles, nodes };
+    (context, shared, blocks)
 }
 
 fn once_for_all<const METERED: bool>(

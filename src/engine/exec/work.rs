@@ -1,34 +1,20 @@
 //! Phases over blocks: lists of blocks, spread over workers.
 use super::Executor;
+use super::backend::Call;
 use super::scratch::Scratch;
-use super::stage::{self, Context};
+use super::stage;
 use super::trace::{Event, Kind, Recorder};
+use crate::data::layout::NodeLayout;
 use crate::data::nodes::NodeBlock;
 use crate::data::particles::ParticleBlock;
 use crate::data::schedule::Schedule;
-use crate::data::warehouse::{NodePatch, ParticlePatch};
+use crate::data::warehouse::{MaterialData, NodePatch, ParticlePatch, Warehouse};
 use crate::data::workspace::recycle;
 use crate::graph::phase::{Phase, Stage, When};
 use grid::{Decomposition, Partition, Patch};
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
-
-/// What a wave works with.
-pub struct Work<'a, E> {
-    /// Spreads blocks over workers.
-    pub executor: &'a E,
-    /// What is the same for all blocks.
-    pub context: Context<'a>,
-    /// One a worker.
-    pub scratch: &'a [Mutex<Scratch>],
-    /// Of lists of blocks.
-    pub memory: &'a mut Memory,
-    /// Whether work is metered.
-    pub metered: bool,
-    /// What looks at the work.
-    pub watch: Watch<'a>,
-}
 
 /// Looks at work on blocks: for traces, and for the balance of ranks.
 #[derive(Clone, Copy)]
@@ -67,13 +53,14 @@ pub enum Which<'a> {
 }
 
 impl Which<'_> {
-    fn layers(&self) -> Range<i32> {
+    /// The layers.
+    pub fn layers(&self) -> Range<i32> {
         let (Which::All(layers) | Which::Interior(layers) | Which::Rim(layers)) = self;
         (*layers).clone()
     }
 
     /// Whether the part has a block of which `rim` says whether it is one of the rim.
-    fn has(&self, rim: impl FnOnce() -> bool) -> bool {
+    pub fn has(&self, rim: impl FnOnce() -> bool) -> bool {
         match self {
             Which::All(_) => true,
             Which::Interior(_) => !rim(),
@@ -82,66 +69,69 @@ impl Which<'_> {
     }
 }
 
-impl<E: Executor> Work<'_, E> {
-    /// Runs a phase over blocks on some of them.
-    pub fn over(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
-        match phase.is_over_nodes() {
-            true => self.over_nodes(phase, which, data),
-            false => self.over_particles(phase, which, data),
-        }
+/// Runs a phase over nodes on some blocks.
+pub fn over_nodes<E: Executor>(
+    executor: &E,
+    call: &mut Call<'_>,
+    phase: &Phase,
+    which: Which<'_>,
+    data: &mut Blocks<'_>,
+) {
+    let Call { context, scratch, memory, metered, watch } = call;
+    let Some(stage) = phase.stages.first() else { return };
+    let (schedule, fields) = (context.schedule, context.fields);
+    let (all, next) = (schedule.all_end(), schedule.next());
+    let ends = |block: &NodeBlock| all || block.present.iter().any(|&f| schedule.ends(fields.material(f)));
+    let mut items = recycle(std::mem::take(&mut memory.nodes));
+    let (layers, began) = (which.layers(), watch.trace.now());
+    let slab = (layers.start - data.first_layer) as usize;
+    for (nodes, patch) in mine(data.nodes, data.decomposition, data.partition) {
+        let blocks = nodes.slab_mut(patch.blocks.lower[0], &layers);
+        items.extend(blocks.iter_mut().filter(|block| ends(block) && which.has(|| block.rim)));
     }
+    let update = if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
+    executor.each(&mut items, |worker, block| {
+        let moment = watch.begin();
+        let ran = update(context, stage, data.particles, &mut lock(&scratch[worker]), block);
+        block.cost += watch.end(moment, worker, stage, slab);
+        if ran && phase.settles {
+            block.until.fill(next);
+        }
+    });
+    watch.trace.record_idle(began, Event::idle(stage));
+    memory.nodes = recycle(items);
+}
 
-    fn over_nodes(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
-        let Self { executor, context, scratch, memory, metered, watch } = self;
-        let Some(stage) = phase.stages.first() else { return };
-        let (schedule, fields) = (context.schedule, context.fields);
-        let (all, next) = (schedule.all_end(), schedule.next());
-        let ends =
-            |block: &NodeBlock| all || block.present.iter().any(|&f| schedule.ends(fields.material(f)));
-        let mut items = recycle(std::mem::take(&mut memory.nodes));
-        let (layers, began) = (which.layers(), watch.trace.now());
-        let slab = (layers.start - data.first_layer) as usize;
-        for (nodes, patch) in mine(data.nodes, data.decomposition, data.partition) {
-            let blocks = nodes.slab_mut(patch.blocks.lower[0], &layers);
-            items.extend(blocks.iter_mut().filter(|block| ends(block) && which.has(|| block.rim)));
+/// Runs a phase over particles on some blocks.
+pub fn over_particles<E: Executor>(
+    executor: &E,
+    call: &mut Call<'_>,
+    phase: &Phase,
+    which: Which<'_>,
+    data: &mut Blocks<'_>,
+) {
+    let Call { context, scratch, memory, metered, watch } = call;
+    let mut items = recycle(std::mem::take(&mut memory.particles));
+    let (layers, began) = (which.layers(), watch.trace.now());
+    let slab = (layers.start - data.first_layer) as usize;
+    for (homes, patch) in mine(data.particles, data.decomposition, data.partition) {
+        // stages of a phase come in the order of their materials
+        let mut homes = homes.iter_mut().enumerate();
+        for stage in phase.stages.iter().filter(|stage| acts(stage, context.schedule)) {
+            let mine = |(material, _): &(usize, _)| stage.material == Some(*material);
+            let Some((_, home)) = homes.find(mine) else { continue };
+            let blocks = home.slab_mut(patch.blocks.lower[0], &layers).iter_mut();
+            items.extend(blocks.filter(|block| which.has(|| block.rim)).map(|block| (stage, block)));
         }
-        let update = if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
-        executor.each(&mut items, |worker, block| {
-            let moment = watch.begin();
-            let ran = update(context, stage, data.particles, &mut lock(&scratch[worker]), block);
-            block.cost += watch.end(moment, worker, stage, slab);
-            if ran && phase.settles {
-                block.until.fill(next);
-            }
-        });
-        watch.trace.record_idle(began, Event::idle(stage));
-        memory.nodes = recycle(items);
     }
-
-    fn over_particles(&mut self, phase: &Phase, which: Which<'_>, data: &mut Blocks<'_>) {
-        let Self { executor, context, scratch, memory, metered, watch } = self;
-        let mut items = recycle(std::mem::take(&mut memory.particles));
-        let (layers, began) = (which.layers(), watch.trace.now());
-        let slab = (layers.start - data.first_layer) as usize;
-        for (homes, patch) in mine(data.particles, data.decomposition, data.partition) {
-            // stages of a phase come in the order of their materials
-            let mut homes = homes.iter_mut().enumerate();
-            for stage in phase.stages.iter().filter(|stage| acts(stage, context.schedule)) {
-                let mine = |(material, _): &(usize, _)| stage.material == Some(*material);
-                let Some((_, home)) = homes.find(mine) else { continue };
-                let blocks = home.slab_mut(patch.blocks.lower[0], &layers).iter_mut();
-                items.extend(blocks.filter(|block| which.has(|| block.rim)).map(|block| (stage, block)));
-            }
-        }
-        let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
-        executor.each(&mut items, |worker, (stage, block)| {
-            let moment = watch.begin();
-            sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
-            block.cost += watch.end(moment, worker, stage, slab);
-        });
-        watch.trace.record_idle(began, phase.stages.first().map_or(Event::other(Kind::Idle), Event::idle));
-        memory.particles = recycle(items);
-    }
+    let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
+    executor.each(&mut items, |worker, (stage, block)| {
+        let moment = watch.begin();
+        sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
+        block.cost += watch.end(moment, worker, stage, slab);
+    });
+    watch.trace.record_idle(began, phase.stages.first().map_or(Event::other(Kind::Idle), Event::idle));
+    memory.particles = recycle(items);
 }
 
 /// What each patch of this rank has of something that all patches have.
@@ -153,8 +143,12 @@ fn mine<'a, T>(
     of_patches.iter_mut().zip(&decomposition.patches).filter(|(_, patch)| partition.is_mine(patch.id))
 }
 
-/// The blocks that a wave works on.
+/// The blocks of a rank, and what is known about their labels.
 pub struct Blocks<'a> {
+    /// Labels of particles.
+    pub materials: &'a [MaterialData],
+    /// Labels of nodes.
+    pub node_layout: &'a NodeLayout,
     /// The patches.
     pub decomposition: &'a Decomposition,
     /// The level's first layer of blocks along x.
@@ -167,8 +161,18 @@ pub struct Blocks<'a> {
     pub nodes: &'a mut [NodePatch],
 }
 
+impl<'a> Blocks<'a> {
+    /// The blocks of a warehouse.
+    pub fn of(warehouse: &'a mut Warehouse) -> Self {
+        let Warehouse { level, decomposition, partition, materials, node_layout, particles, nodes, .. } =
+            warehouse;
+        let first_layer = level.blocks().lower[0];
+        Self { materials, node_layout, decomposition, first_layer, partition, particles, nodes }
+    }
+}
+
 /// Whether a stage over particles runs in this tick.
-fn acts(stage: &Stage, schedule: &Schedule) -> bool {
+pub fn acts(stage: &Stage, schedule: &Schedule) -> bool {
     stage.material.is_some_and(|material| match stage.when {
         When::Begin => schedule.begins(material),
         When::End => schedule.ends(material),

@@ -10,8 +10,9 @@ mod read;
 
 use super::occupied::Beside;
 use super::{Channel, Network, NetworkError};
+use crate::data::particles::ParticleBlock;
 use crate::data::warehouse::{NodePatch, ParticlePatch, Warehouse};
-use crate::exec::Executor;
+use crate::exec::backend::Backend;
 use crate::exec::stage::Context;
 use crate::graph::exchange::{Exchange, Way};
 use adder::{Adder, adders};
@@ -35,6 +36,39 @@ struct Neighbor {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Halos {
     neighbors: Vec<Neighbor>,
+}
+
+/// The partial sums of a block on their way into a message.
+pub struct Outgoing<'a> {
+    adder: &'a Adder,
+    exchange: &'a Exchange,
+    context: &'a Context<'a>,
+    particles: &'a [Vec<ParticlePatch>],
+    piece: &'a mut [Wide],
+}
+
+impl Outgoing<'_> {
+    /// Fills the block's piece of the message.
+    pub fn pack(&mut self) {
+        self.adder.pack(self.exchange, self.context, self.particles, self.piece);
+    }
+}
+
+/// The partial sums of a block of another rank on their way from a message into its place here.
+pub struct Incoming<'a> {
+    adder: &'a Adder,
+    exchange: &'a Exchange,
+    context: &'a Context<'a>,
+    block: &'a mut ParticleBlock,
+    header: Header,
+    piece: &'a [Wide],
+}
+
+impl Incoming<'_> {
+    /// Fills the block.
+    pub fn unpack(&mut self) {
+        self.adder.unpack(self.exchange, self.context, self.block, &self.header, self.piece);
+    }
 }
 
 /// Where a message goes or comes from, and what it is about.
@@ -82,13 +116,13 @@ impl Halos {
 
     /// Sends what the materials that begin a step have added to nodes of others, packed by all workers; returns messages
     /// and lines.
-    pub fn send_partials<E: Executor>(
+    pub fn send_partials(
         &self,
         (network, channel): To<'_, '_>,
         exchange: &Exchange,
         context: &Context<'_>,
         particles: &[Vec<ParticlePatch>],
-        executor: &E,
+        backend: &dyn Backend,
     ) -> [usize; 2] {
         let mut sent = [0; 2];
         for neighbor in &self.neighbors {
@@ -103,10 +137,10 @@ impl Halos {
             let piece = |(adder, lines)| {
                 let (piece, after) = std::mem::take(&mut rest).split_at_mut(lines);
                 rest = after;
-                (adder, piece)
+                Outgoing { adder, exchange, context, particles, piece }
             };
-            let mut pieces: Vec<(&Adder, &mut [Wide])> = sizes.into_iter().map(piece).collect();
-            executor.each(&mut pieces, |_, (adder, piece)| adder.pack(exchange, context, particles, piece));
+            let mut pieces: Vec<Outgoing<'_>> = sizes.into_iter().map(piece).collect();
+            backend.pack(&mut pieces);
             sent = [sent[0] + 1, sent[1] + message.len()];
             network.send(neighbor.rank, channel, message);
         }
@@ -117,13 +151,12 @@ impl Halos {
     ///
     /// # Errors
     /// A message of another length than the blocks say.
-    pub fn unpack_partials<E: Executor>(
+    pub fn unpack_partials(
         &self,
         (rank, channel, message): From<'_>,
         exchange: &Exchange,
         context: &Context<'_>,
-        particles: &mut [Vec<ParticlePatch>],
-        executor: &E,
+        (particles, backend): (&mut [Vec<ParticlePatch>], &dyn Backend),
     ) -> Result<(), NetworkError> {
         let mut reader = Reader { message, at: 0 };
         let neighbor = self.neighbors.iter().find(|it| it.rank == rank);
@@ -140,15 +173,14 @@ impl Halos {
                     if let Some(adder) = adders.next_if(this) {
                         let header = Header::read(reader.next(1));
                         let length = adder.lines(exchange, context, &header);
-                        pieces.push((adder, block, header, reader.next(length)));
+                        let piece = reader.next(length);
+                        pieces.push(Incoming { adder, exchange, context, block, header, piece });
                     }
                 }
             }
         }
         reader.finish(rank, channel)?;
-        executor.each(&mut pieces, |_, (adder, block, header, message)| {
-            adder.unpack(exchange, context, block, header, message);
-        });
+        backend.unpack(&mut pieces);
         Ok(())
     }
 
