@@ -56,6 +56,10 @@ impl Engine {
     /// An engine for runs on `warehouse`.
     pub fn new(backend: Box<dyn Backend>, isa: Isa, warehouse: &Warehouse) -> Self {
         let scratch = (0..backend.workers()).map(|_| Mutex::new(Scratch::new(warehouse))).collect();
+        let beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
+        // a run that goes on knows its blocks already
+        let active = warehouse.partition.ranks > 1 && !warehouse.stale;
+        let halos = if active { Halos::new(warehouse, &beside) } else { Halos::default() };
         Self {
             backend,
             isa,
@@ -65,8 +69,8 @@ impl Engine {
             buffers: Buffers::default(),
             slabs: Vec::new(),
             wave: Wave::default(),
-            beside: occupied::beside(&warehouse.decomposition, &warehouse.partition),
-            halos: Halos::default(),
+            beside,
+            halos,
             outstanding: Vec::new(),
             metered: false,
             weighing: false,
