@@ -215,11 +215,11 @@ impl Backend for Apart {
         Serial.unpack(incoming);
     }
 
-    fn to_host(&self, purpose: Purpose<'_>, data: &mut Blocks<'_>) {
+    fn download(&self, purpose: Purpose<'_>, data: &mut Blocks<'_>) {
         self.hand_over(purpose, data, true);
     }
 
-    fn from_host(&self, purpose: Purpose<'_>, data: &mut Blocks<'_>) {
+    fn upload(&self, purpose: Purpose<'_>, data: &mut Blocks<'_>) {
         self.hand_over(purpose, data, false);
         Self::spoil(data);
     }

@@ -1,7 +1,7 @@
 //! Clocks, and the steps that materials take.
 use bytemuck::{Pod, Zeroable};
 
-/// Time and the present tick: the step of the fastest material, and a part of the steps of slower ones.
+/// The present time and tick: the step of the fastest material, and a part of the steps of slower ones.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Clock {

@@ -9,7 +9,7 @@ use crate::graph::phase::Phase;
 use std::sync::Mutex;
 
 /// Runs stages on blocks. A stage says which labels it reads and writes, and of which blocks around; a backend may have them
-/// in memory of its own, and hands them to the host only where the host asks: see [`Backend::to_host`]. What a block is, and
+/// in memory of its own, and hands them to the host only where the host asks: see [`Backend::download`]. What a block is, and
 /// which blocks there are, the host knows always.
 ///
 /// Every [`Executor`] is a backend whose memory is the host's. What passes between ranks is the business of
@@ -33,10 +33,10 @@ pub trait Backend: Send + Sync {
     fn unpack(&self, incoming: &mut [Incoming<'_>]);
 
     /// The host is about to read labels of blocks, and perhaps to write them.
-    fn to_host(&self, _purpose: Purpose<'_>, _data: &mut Blocks<'_>) {}
+    fn download(&self, _purpose: Purpose<'_>, _data: &mut Blocks<'_>) {}
 
-    /// The host has done so.
-    fn from_host(&self, _purpose: Purpose<'_>, _data: &mut Blocks<'_>) {}
+    /// The host has read and written them.
+    fn upload(&self, _purpose: Purpose<'_>, _data: &mut Blocks<'_>) {}
 }
 
 /// What the host wants labels of blocks for.

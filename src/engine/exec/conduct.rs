@@ -101,9 +101,9 @@ impl Engine {
         network: &mut dyn Network,
         conductor: &mut C,
     ) -> Result<(), C::Error> {
-        self.backend.from_host(Purpose::Program, &mut Blocks::of(warehouse));
+        self.backend.upload(Purpose::Program, &mut Blocks::of(warehouse));
         let done = self.nodes(&program.nodes, warehouse, network, conductor);
-        self.backend.to_host(Purpose::Program, &mut Blocks::of(warehouse));
+        self.backend.download(Purpose::Program, &mut Blocks::of(warehouse));
         done
     }
 
@@ -146,11 +146,11 @@ impl Engine {
         let mut puts_back = |particle: &mut Traveler, materials: &[MaterialData], shared: &mut Shared| {
             conductor.puts_back(particle, materials, shared)
         };
-        self.backend.to_host(Purpose::Relocation, &mut Blocks::of(warehouse));
+        self.backend.download(Purpose::Relocation, &mut Blocks::of(warehouse));
         let relocation = self.relocate(graph, warehouse, network, &mut puts_back)?;
         conductor.ran(graph, warehouse, &relocation)?;
         self.metered(What::Relocation, || relocation.carry_out(warehouse));
-        self.backend.from_host(Purpose::Relocation, &mut Blocks::of(warehouse));
+        self.backend.upload(Purpose::Relocation, &mut Blocks::of(warehouse));
         Ok(())
     }
 }

@@ -42,7 +42,7 @@ impl<'a> Exchanges<'a> {
     pub fn send(&mut self, number: usize, call: &Call<'_>, data: &mut Blocks<'_>) {
         let (exchange, began) = (&self.all[number], call.watch.trace.now());
         let channel = Channel::Halo(number as u16);
-        self.backend.to_host(Purpose::Exchange(exchange), data);
+        self.backend.download(Purpose::Exchange(exchange), data);
         let [messages, lines] = match exchange.way {
             Way::Partials => {
                 let to = (&mut *self.network, channel);
@@ -54,7 +54,7 @@ impl<'a> Exchanges<'a> {
             }
         };
         let event = Event::halo(exchange.from.unwrap_or(exchange.to));
-        self.backend.from_host(Purpose::Exchange(exchange), data);
+        self.backend.upload(Purpose::Exchange(exchange), data);
         call.watch.trace.record(0, began, event.sent(messages, lines * size_of::<Wide>()));
     }
 
@@ -88,7 +88,7 @@ impl<'a> Exchanges<'a> {
             };
             self.outstanding.swap_remove(at);
             let from = (rank, channel, &message[..]);
-            self.backend.to_host(Purpose::Exchange(exchange), data);
+            self.backend.download(Purpose::Exchange(exchange), data);
             match exchange.way {
                 Way::Partials => {
                     let into = (&mut *data.particles, self.backend);
@@ -99,7 +99,7 @@ impl<'a> Exchanges<'a> {
                     self.halos.unpack_values(from, exchange, &call.context, into)?;
                 }
             }
-            self.backend.from_host(Purpose::Exchange(exchange), data);
+            self.backend.upload(Purpose::Exchange(exchange), data);
             self.network.give_back(message);
         }
         call.watch.trace.record(0, began, Event::halo(exchange.to));

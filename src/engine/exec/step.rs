@@ -184,9 +184,9 @@ impl Engine {
         if network.size() > 1 {
             occupied::tell(network, warehouse, &self.beside)?;
         }
-        self.backend.to_host(Purpose::Activation, &mut Blocks::of(warehouse));
+        self.backend.download(Purpose::Activation, &mut Blocks::of(warehouse));
         self.metered(What::Activation, || warehouse.activate());
-        self.backend.from_host(Purpose::Activation, &mut Blocks::of(warehouse));
+        self.backend.upload(Purpose::Activation, &mut Blocks::of(warehouse));
         if network.size() > 1 {
             self.halos = Halos::new(warehouse, &self.beside);
         }
