@@ -5,11 +5,11 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Clock {
-    /// Time at the start of the tick [s].
+    /// The time at the start of the tick [s].
     pub time: f64,
     /// Size of the tick [s].
     pub tick: f64,
-    /// Time that no step passes: the end of the run [s].
+    /// The time that no step passes: the end of the run [s].
     pub until: f64,
     /// Index of the material that limits the step, −1: the end of the run.
     pub limited_by: f64,
@@ -19,7 +19,7 @@ pub struct Clock {
     pub number: f64,
     /// Number of the tick with which all materials are together again: the end of the step.
     pub last: f64,
-    /// Time at that moment [s].
+    /// The time at that moment [s].
     pub end: f64,
 }
 
@@ -27,7 +27,7 @@ pub struct Clock {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct MaterialStep {
-    /// Time at its start [s].
+    /// The time at its start [s].
     pub time: f64,
     /// Δt [s]
     pub size: f64,

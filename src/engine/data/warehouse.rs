@@ -40,9 +40,9 @@ impl MaterialData {
 pub struct ParticlePatch {
     /// The blocks.
     pub blocks: Vec<ParticleBlock>,
-    /// Position + 1 in `blocks` of each block of the patch, 0: none.
+    /// The position in `blocks`, plus 1, of each block of the patch, 0: none.
     lookup: Vec<u32>,
-    /// Position of the first block of each layer along x, and the end.
+    /// The position of the first block of each layer along x, and the end.
     layers: Vec<u32>,
 }
 

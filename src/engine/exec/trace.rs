@@ -181,7 +181,7 @@ impl Recorder {
         Self::new(0, 0)
     }
 
-    /// A recorder of at most `bound` events for each of `workers` workers. Time counts from now: ranks that begin after a
+    /// A recorder of at most `bound` events for each of `workers` workers. The time counts from now: ranks that begin after a
     /// message to all have the same time to within the time of a message.
     pub fn new(workers: usize, bound: usize) -> Self {
         let track = || Mutex::new(Track { events: Vec::with_capacity(bound), lost: 0 });

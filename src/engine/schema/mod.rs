@@ -23,7 +23,7 @@ pub struct Roles {
     pub identity: LabelId,
     /// The bounds of a block's particles (see `data::extent`).
     pub extent: LabelId,
-    /// Time, and the steps of the materials, if the application has them.
+    /// The time, and the steps of the materials, if the application has them.
     pub rates: Option<Rates>,
 }
 
@@ -91,13 +91,13 @@ impl Schema {
 /// use engine::schema::{Combine, Home, Label, Life, chunk, node, particle};
 /// use simd::Wide;
 /// engine::labels! {
-///     Position: [Wide; 3] = particle("m", "x_p").in_the_middle();
+///     Place: [Wide; 3] = particle("m", "x_p").in_the_middle();
 ///     Heat: Wide = node("J/K, J", "c_I, c_I T_I").partials(3);
 ///     Temperature: Wide = node("K", "T_I").values(3).lives(Life::Carried);
 /// }
 /// assert_eq!(Heat::ID.name(), "Heat");
 /// assert_eq!((Heat::ID.home(), Heat::ID.combine()), (Home::Node, Combine::Sum));
-/// assert_eq!((ROWS.len(), Position::ID.width()), (3, 3));
+/// assert_eq!((ROWS.len(), Place::ID.width()), (3, 3));
 /// ```
 #[macro_export]
 macro_rules! labels {
