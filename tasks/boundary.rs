@@ -1,4 +1,3 @@
-use super::integrate::{change, mean_velocity};
 use super::work::Work;
 use crate::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
 use engine::graph::task::{At, Body};
@@ -47,10 +46,9 @@ impl Body for Boundary {
             for (n, (sum, motion)) in sums.iter().zip(motions).enumerate() {
                 let node = at.node_of(n);
                 for face in (0..6).filter(|&face| self.holds(face, node)) {
-                    let v = [motion.0[0], motion.0[1], motion.0[2]];
-                    let dv = self.faces[face].correction(face / 2, time, v);
-                    change(motion, dv);
-                    work.add(sum.0[0], mean_velocity(motion), dv);
+                    let dv = self.faces[face].correction(face / 2, time, motion.velocity());
+                    motion.add(dv);
+                    work.add(sum.mass(), motion.mean(), dv);
                 }
             }
         }

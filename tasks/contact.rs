@@ -1,19 +1,19 @@
-use super::integrate::change;
 use crate::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums};
+use crate::node::{Impulse, Motion, Sums, Surface};
 use crate::rigid::state::RigidState;
 use engine::data::exact_sum::ExactSum;
+use engine::data::fields::FieldId;
 use engine::graph::task::{At, Body};
 use grid::{Lattice, NODES};
-use physics::contact::Contact as Touch;
 use physics::contact::surface::SurfaceTable;
-use physics::contact::{ContactLaw, Exchange, Pair, dot};
-use simd::{Simd, Wide};
+use physics::contact::{AnyContactLaw, ContactLaw, Exchange, Pair, dot};
+use simd::Simd;
 
 /// Contact of pairs of materials at the nodes that they share. Listed twice in the recipe: for the interpolated and
 /// for the integrated velocities.
 pub struct Contact {
-    /// The pairs, in the order of the scene: impulses are exchanged pair by pair.
-    pub pairs: Vec<Touch>,
+    /// The pairs of fields, in the order of the scene: impulses are exchanged pair by pair.
+    pub pairs: Vec<FieldPair>,
     /// Where nodes are.
     pub lattice: Lattice,
     /// Mass below which a node carries nothing [kg].
@@ -26,6 +26,17 @@ pub struct Contact {
     pub symmetric: [bool; 6],
     /// Cells of the level along each axis.
     pub cells: [usize; 3],
+}
+
+/// Two velocity fields that touch.
+#[derive(Clone, Copy, Debug)]
+pub struct FieldPair {
+    /// The fields; those of the two materials, in their order.
+    pub between: [FieldId; 2],
+    /// The law.
+    pub law: AnyContactLaw,
+    /// Contact acts only while the gap between the surfaces is below this many cells.
+    pub gap: f64,
 }
 
 engine::task! { Nodes task Contact {
@@ -45,13 +56,13 @@ impl Body for Contact {
 /// What meets at the nodes of a block, and the rigid bodies among it.
 pub struct Meeting<'a> {
     /// `NodeSums`
-    pub sums: &'a [Wide],
+    pub sums: &'a [Sums],
     /// `ContactSums`
-    pub surfaces: &'a [Wide],
+    pub surfaces: &'a [Surface],
     /// `NodeMotion`
-    pub motion: &'a mut [Wide],
+    pub motion: &'a mut [Motion],
     /// `ContactImpulse`
-    pub impulse: &'a mut [Wide],
+    pub impulse: &'a mut [Impulse],
     /// `RigidMotion`; empty where no material is rigid.
     pub bodies: &'a [RigidState],
     /// `RigidImpulse`; empty where no material is rigid.
@@ -61,8 +72,8 @@ pub struct Meeting<'a> {
 /// One material at one node.
 struct Side<'a> {
     material: usize,
-    sums: &'a Wide,
-    surface: &'a Wide,
+    sums: &'a Sums,
+    surface: &'a Surface,
     velocity: [f64; 3],
     /// How long ago its particles gave what the node knows of its surface [s].
     elapsed: f64,
@@ -71,18 +82,9 @@ struct Side<'a> {
 }
 
 impl Side<'_> {
-    fn mass(&self) -> f64 {
-        self.sums.0[0]
-    }
-    fn volume(&self) -> f64 {
-        self.sums.0[7]
-    }
     /// Σ V ∇S: points out of the material.
     fn outward(&self) -> [f64; 3] {
-        std::array::from_fn(|a| if self.mirrored[a] { 0.0 } else { self.surface.0[4 + a] })
-    }
-    fn force(&self) -> [f64; 3] {
-        [self.sums.0[4], self.sums.0[5], self.sums.0[6]]
+        std::array::from_fn(|a| if self.mirrored[a] { 0.0 } else { self.surface.outward(a) })
     }
 }
 
@@ -94,22 +96,23 @@ impl Contact {
             return;
         }
         for pair in &self.pairs {
-            let slot = |material: usize| at.fields.iter().position(|f| f.material == material);
+            let slot = |field: FieldId| at.fields.iter().position(|f| f.field == field);
             let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
+            let materials = [at.fields[a].material, at.fields[b].material];
             let elapsed = [at.fields[a].elapsed, at.fields[b].elapsed];
             let mut pushed = [[0.0; 6]; 2];
             for n in 0..NODES {
                 let lines = [NODES * a + n, NODES * b + n];
-                if lines.iter().any(|&line| io.sums[line].0[0] <= self.least_mass) {
+                if lines.iter().any(|&line| io.sums[line].mass() <= self.least_mass) {
                     continue;
                 }
                 let node = self.lattice.position(at.node_of(n));
                 let mirrored = self.mirrored(at.node_of(n));
                 let sides = [0, 1].map(|i| Side {
-                    material: pair.between[i],
+                    material: materials[i],
                     sums: &io.sums[lines[i]],
                     surface: &io.surfaces[lines[i]],
-                    velocity: [0, 1, 2].map(|axis| io.motion[lines[i]].0[axis]),
+                    velocity: io.motion[lines[i]].velocity(),
                     elapsed: elapsed[i],
                     mirrored,
                 });
@@ -118,20 +121,16 @@ impl Contact {
                 };
                 for (i, sign) in [(0, 1.0), (1, -1.0)] {
                     let impulse = std::array::from_fn(|a| sign * (exchange.normal[a] + exchange.friction[a]));
-                    let record = &mut io.impulse[lines[i]];
-                    for a in 0..3 {
-                        record.0[a] += sign * exchange.normal[a];
-                        record.0[4 + a] += sign * exchange.friction[a];
-                    }
-                    if self.rigid[pair.between[i]] {
-                        push(&mut pushed[i], impulse, node, &io.bodies[pair.between[i]]);
+                    io.impulse[lines[i]].add(sign, exchange.normal, exchange.friction);
+                    if self.rigid[materials[i]] {
+                        push(&mut pushed[i], impulse, node, &io.bodies[materials[i]]);
                     } else {
-                        change(&mut io.motion[lines[i]], impulse.map(|p| p / masses[i]));
+                        io.motion[lines[i]].add(impulse.map(|p| p / masses[i]));
                     }
                 }
             }
-            for (i, pushed) in pushed.iter().enumerate().filter(|(i, _)| self.rigid[pair.between[*i]]) {
-                let sums: &mut [ExactSum; 6] = &mut io.on_bodies[pair.between[i]];
+            for (i, pushed) in pushed.iter().enumerate().filter(|(i, _)| self.rigid[materials[*i]]) {
+                let sums: &mut [ExactSum; 6] = &mut io.on_bodies[materials[i]];
                 sums.iter_mut().zip(pushed).for_each(|(sum, &x)| sum.add(x));
             }
         }
@@ -148,7 +147,7 @@ impl Contact {
     /// What the pair exchanges at a node, and the masses that took part; `None`: the surfaces do not touch.
     fn exchange(
         &self,
-        pair: &Touch,
+        pair: &FieldPair,
         sides: &[Side<'_>; 2],
         node: [f64; 3],
         bodies: &[RigidState],
@@ -159,11 +158,11 @@ impl Contact {
         if gap > pair.gap {
             return None;
         }
-        let masses = [a.mass(), b.mass()];
+        let masses = [a.sums.mass(), b.sums.mass()];
         let relative = std::array::from_fn(|i| a.velocity[i] - b.velocity[i]);
         let reduced_mass = self.reduced_mass(sides, masses, bodies)?;
         // the internal force of a uniformly stressed surface is −σ Σ V ∇S
-        let traction = (dot(b.force(), normal) - dot(a.force(), normal)) / area;
+        let traction = (dot(b.sums.force(), normal) - dot(a.sums.force(), normal)) / area;
         let seen = Pair { relative, reduced_mass, normal, traction };
         Some((pair.law.exchange(&seen), masses))
     }
@@ -172,7 +171,7 @@ impl Contact {
     /// lie in one plane, a normal weighted by what is there leans out of it, and takes sides for surfaces that touch.
     fn gap(&self, a: &Side<'_>, b: &Side<'_>, node: [f64; 3]) -> f64 {
         // in the midst of a body Σ V ∇S is rounding, and has no direction
-        let least = |side: &Side<'_>| 1e-9 * side.volume() / self.lattice.cell;
+        let least = |side: &Side<'_>| 1e-9 * side.sums.volume() / self.lattice.cell;
         let (from, to) = (unit(a.outward(), least(a)), unit(b.outward(), least(b)));
         let mean = unit(std::array::from_fn(|i| from[i] - to[i]), 0.0);
         self.before_surface(a, node, mean) + self.before_surface(b, node, mean.map(|n| -n))
@@ -181,7 +180,7 @@ impl Contact {
     /// Distance from a side's surface to the node along its outward direction `n` [cells].
     fn before_surface(&self, side: &Side<'_>, node: [f64; 3], n: [f64; 3]) -> f64 {
         // the center of mass goes on with the node while the particles wait
-        let moved = |a: usize| side.surface.0[1 + a] / side.mass() + side.elapsed * side.velocity[a];
+        let moved = |a: usize| side.surface.moment(a) / side.sums.mass() + side.elapsed * side.velocity[a];
         let center: [f64; 3] = std::array::from_fn(|a| node[a] - moved(a));
         self.surfaces[side.material].surface(dot(n, center) / self.lattice.cell)
     }

@@ -1,7 +1,8 @@
 use crate::labels::{ContactImpulse, NodeMotion};
+use crate::node::Impulse;
 use engine::graph::task::{At, Body};
 use grid::NODES;
-use simd::{Simd, Wide};
+use simd::Simd;
 
 /// No impulse yet, where a step begins.
 pub struct ContactBegin;
@@ -15,6 +16,6 @@ impl Body for ContactBegin {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let fields = io.impulse.chunks_exact_mut(NODES).zip(at.fields);
-        fields.filter(|(_, field)| field.begins).for_each(|(impulse, _)| impulse.fill(Wide::default()));
+        fields.filter(|(_, field)| field.begins).for_each(|(impulse, _)| impulse.fill(Impulse::default()));
     }
 }

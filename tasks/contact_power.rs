@@ -1,4 +1,3 @@
-use super::integrate::mean_velocity;
 use crate::labels::{ContactImpulse, ContactWork, NodeMotion};
 use engine::graph::task::{At, Body};
 use grid::NODES;
@@ -27,9 +26,9 @@ impl Body for ContactPower {
         let fields = io.impulse.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES)).zip(at.fields);
         for ((impulses, motions), _) in fields.filter(|(_, field)| field.ends) {
             for (impulse, motion) in impulses.iter().zip(motions) {
-                let mean = mean_velocity(motion);
-                impact -= dot([impulse.0[0], impulse.0[1], impulse.0[2]], mean);
-                friction -= dot([impulse.0[4], impulse.0[5], impulse.0[6]], mean);
+                let mean = motion.mean();
+                impact -= dot(impulse.normal(), mean);
+                friction -= dot(impulse.friction(), mean);
             }
         }
         io.work[0][0].add(friction);

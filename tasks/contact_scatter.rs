@@ -1,5 +1,6 @@
 use super::scatter::{scatter_rows, to_rows};
 use crate::labels::{ContactFlow, ContactSums, ScatterRows, Weights};
+use bytemuck::cast_slice_mut;
 use engine::graph::task::{At, Body};
 use simd::{Simd, load};
 
@@ -20,6 +21,6 @@ impl Body for ContactScatter {
             let [mx, my, mz, v] = load(flow);
             to_rows([zero, mx, my, mz], [v, zero, zero, v, zero, v], zero, rows);
         }
-        scatter_rows::<S>(at, &io.weights, &io.rows, &mut io.nodes);
+        scatter_rows::<S>(at, &io.weights, &io.rows, cast_slice_mut(&mut io.nodes));
     }
 }

@@ -1,4 +1,5 @@
 use crate::labels::{GatherRows, GridVelocity, NodeMotion, VelocityChange, VelocityGradient, Weights};
+use bytemuck::cast_slice;
 use engine::graph::task::{At, Body};
 use shapes::for_each_particle_by_class;
 use shapes::transfer::gather;
@@ -21,6 +22,7 @@ engine::task! { Particles task Gather {
 impl Body for Gather {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let nodes: &[Wide] = cast_slice(&io.nodes);
         let mut results = io.velocity.iter_mut().zip(io.change.iter_mut()).zip(io.gradient.iter_mut());
         for (group, weights) in io.weights.chunks(GROUP).enumerate() {
             let count = at.count.saturating_sub(8 * GROUP * group).min(8 * GROUP);
@@ -29,7 +31,7 @@ impl Body for Gather {
                 io.rows[lane >> 3][lane & 7] = [Wide::default(); 2];
             }
             for_each_particle_by_class!(weights, count, |i, X, Y, Z| gather::<S, X, Y, Z>(
-                &io.nodes,
+                nodes,
                 &weights[i >> 3],
                 i & 7,
                 &mut io.rows[i >> 3][i & 7]

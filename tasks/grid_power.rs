@@ -23,10 +23,10 @@ impl Body for GridPower {
         for ((sums, motions), _) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material]) {
             for (sum, motion) in sums.iter().zip(motions) {
                 // lanes 0 to 2: m Δv · (v − Δv/2)
-                let velocity = S::load(motion);
+                let velocity = S::load(&motion.0);
                 let change = velocity.swap_halves();
                 let mean = half.fnma(change, velocity);
-                power = (S::splat(sum.0[0]) * change).fma(mean, power);
+                power = (S::splat(sum.mass()) * change).fma(mean, power);
             }
         }
         io.loss[0].add(power.lanes()[..3].iter().sum());

@@ -1,7 +1,8 @@
 use crate::labels::{NodeMotion, NodeSums, OwnStep};
+use crate::node::{Motion, Sums};
 use engine::graph::task::{At, Body};
 use grid::NODES;
-use simd::{Simd, Wide};
+use simd::Simd;
 
 /// v_I ← v_I + Δt f_I / m_I over the tick: symplectic Euler on the nodes. Where a material waits for a faster one its
 /// velocity is v⁰ + s Δt a + C after s ticks, with C what contact did so far.
@@ -27,27 +28,9 @@ impl Body for Integrate {
 
 /// v_I ← v_I + Δt f_I / m_I
 #[inline(always)]
-pub fn integrate<S: Simd>(sums: &[Wide], motions: &mut [Wide], dt: f64, least_mass: f64) {
+pub fn integrate<S: Simd>(sums: &[Sums], motions: &mut [Motion], dt: f64, least_mass: f64) {
     for (sum, motion) in sums.iter().zip(motions) {
-        let factor = if sum.0[0] > least_mass { dt / sum.0[0] } else { 0.0 };
-        // f both in the velocity and in its change
-        let force = S::load(sum).momentum_to_low().swap_halves();
-        (S::load(motion) + S::splat(factor) * S::join_low(force, force)).store(motion);
+        let factor = if sum.mass() > least_mass { dt / sum.mass() } else { 0.0 };
+        (S::load(&motion.0) + S::splat(factor) * sum.force_line()).store(&mut motion.0);
     }
-}
-
-/// Adds `dv` to a node's velocity, and to what its particles will be told of the change.
-#[inline(always)]
-pub fn change(motion: &mut Wide, dv: [f64; 3]) {
-    for axis in 0..3 {
-        motion.0[axis] += dv[axis];
-        motion.0[4 + axis] += dv[axis];
-    }
-}
-
-/// (v⁰ + v)/2 of a node.
-#[inline(always)]
-pub fn mean_velocity(motion: &Wide) -> [f64; 3] {
-    let [x, y, z, _, dx, dy, dz, _] = motion.0;
-    [x - 0.5 * dx, y - 0.5 * dy, z - 0.5 * dz]
 }

@@ -2,6 +2,7 @@
 //!
 //! To the right of the tile (eight particles, one node, or one material of the quantity): home, unit, symbol, and what differs
 //! from the usual of such labels. See [`engine::schema`].
+use crate::node;
 use crate::rigid::state::RigidState;
 use engine::data::exact_sum::ExactSum;
 use engine::data::rates::{Clock, MaterialStep};
@@ -41,11 +42,11 @@ engine::labels! {
     VelocityGradient: [Wide; 9] = chunk("1/s", "L_p = sum_I v_I grad S_Ip");
     StiffnessBound: Wide      = chunk("Pa", "upper bound of rho0 c^2 in p");
 
-    NodeSums: Wide            = node("mixed", "m, m v (3), f (3), V").partials(3);
-    ContactSums: Wide         = node("mixed", "0, m x (3), sum V grad S (3), 0").partials(3).where_fields_meet();
-    ContactImpulse: Wide      = node("N s", "impulse of contact in this step: normal (3), 0, friction (3), 0")
+    NodeSums: node::Sums      = node("mixed", "m, m v (3), f (3), V").partials(3);
+    ContactSums: node::Surface = node("mixed", "0, m x (3), sum V grad S (3), 0").partials(3).where_fields_meet();
+    ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), 0, friction (3), 0")
                                     .lives(Step).where_fields_meet();
-    NodeMotion: Wide          = node("m/s", "v (3), 0, change of v in this step (3), 0").values(3).lives(Step);
+    NodeMotion: node::Motion  = node("m/s", "v (3), 0, change of v in this step (3), 0").values(3).lives(Step);
 
     BlockExtent: [Wide; 6]    = block("cells", "max of +-(base node) over the block, to see who leaves it").largest();
 

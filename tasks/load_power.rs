@@ -1,4 +1,3 @@
-use super::integrate::mean_velocity;
 use super::loads::LoadField;
 use super::work::Work;
 use crate::labels::{BoundaryWork, NodeMotion, NodeSums, OwnStep};
@@ -27,8 +26,8 @@ impl Body for LoadPower {
         let mut work = Work::default();
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES)).zip(at.fields);
         for ((sums, motions), field) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material]) {
-            for (sum, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.0[0] > self.least_mass) {
-                work.add(sum.0[0], mean_velocity(motion), self.field.change(motion, field.step));
+            for (sum, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.mass() > self.least_mass) {
+                work.add(sum.mass(), motion.mean(), self.field.change(motion, field.step));
             }
         }
         work.store(&mut io.work[0]);

@@ -1,8 +1,8 @@
-use super::integrate::change;
 use crate::labels::{NodeMotion, NodeSums, OwnStep};
+use crate::node::Motion;
 use engine::graph::task::{At, Body};
 use grid::NODES;
-use simd::{Simd, Wide};
+use simd::Simd;
 
 /// v_I ← v_I + Δt (g − α v⁰_I): gravity, and damping in proportion to mass and to the velocity that the step began with.
 pub struct Loads {
@@ -26,9 +26,8 @@ pub struct LoadField {
 impl LoadField {
     /// Δt (g − α v⁰) of a node.
     #[inline(always)]
-    pub fn change(&self, motion: &Wide, dt: f64) -> [f64; 3] {
-        let [x, y, z, _, dx, dy, dz, _] = motion.0;
-        let start = [x - dx, y - dy, z - dz];
+    pub fn change(&self, motion: &Motion, dt: f64) -> [f64; 3] {
+        let start = motion.start();
         std::array::from_fn(|a| dt * (self.gravity[a] - self.damping * start[a]))
     }
 }
@@ -43,9 +42,9 @@ impl Body for Loads {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
         for ((sums, motions), field) in fields.filter(|(_, f)| !self.rigid[f.material]) {
-            for (_, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.0[0] > self.least_mass) {
+            for (_, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.mass() > self.least_mass) {
                 let dv = self.field.change(motion, field.missed + field.tick);
-                change(motion, dv);
+                motion.add(dv);
             }
         }
     }

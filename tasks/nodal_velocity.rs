@@ -1,8 +1,9 @@
 use super::integrate::integrate;
 use crate::labels::{NodeMotion, NodeSums, OwnStep};
+use crate::node::{Motion, Sums};
 use engine::graph::task::{At, Body};
 use grid::NODES;
-use simd::{Simd, Wide};
+use simd::Simd;
 
 /// v_I = (mv)_I / m_I, no change yet, where a step begins. Nodes below `least_mass` rest. Where a material waited, and
 /// nobody asked for its nodes, they are brought to the beginning of the tick: v_I + Δt f_I / m_I over the ticks missed.
@@ -33,11 +34,10 @@ impl Body for NodalVelocity {
 
 impl NodalVelocity {
     #[inline(always)]
-    fn begin<S: Simd>(&self, sums: &[Wide], motions: &mut [Wide]) {
+    fn begin<S: Simd>(&self, sums: &[Sums], motions: &mut [Motion]) {
         for (sum, motion) in sums.iter().zip(motions) {
-            let inverse = if sum.0[0] > self.least_mass { 1.0 / sum.0[0] } else { 0.0 };
-            let momentum = S::blend_force(S::load(sum).momentum_to_low(), S::splat(0.0));
-            (momentum * S::splat(inverse)).store(motion);
+            let inverse = if sum.mass() > self.least_mass { 1.0 / sum.mass() } else { 0.0 };
+            (sum.momentum_line::<S>() * S::splat(inverse)).store(&mut motion.0);
         }
     }
 }

@@ -1,4 +1,5 @@
 use crate::labels::{MassFlow, NodeSums, ScatterRows, StressFlow, Weights};
+use bytemuck::cast_slice_mut;
 use engine::graph::task::{At, Body};
 use shapes::for_each_particle_by_class;
 use shapes::transfer::scatter;
@@ -22,7 +23,7 @@ impl Body for Scatter {
             let [xx, xy, xz, yy, yz, zz, volume] = load::<S, 7>(s);
             to_rows([mass, px, py, pz], [xx, xy, xz, yy, yz, zz], volume, rows);
         }
-        scatter_rows::<S>(at, &io.weights, &io.rows, &mut io.nodes);
+        scatter_rows::<S>(at, &io.weights, &io.rows, cast_slice_mut(&mut io.nodes));
     }
 }
 

@@ -1,4 +1,4 @@
-use super::stress::{Who, fault};
+use crate::fault::{self, Who};
 use crate::labels::{
     Fault, Identity, InitialVolume, Mass, Position, SignalSpeed as SignalSpeedLabel, StiffnessBound, Velocity,
 };

@@ -1,12 +1,12 @@
+use crate::fault::{self, Who};
 use crate::labels::{
     Deformation, Fault, FirstEvent, History, Identity, InitialVolume, KirchhoffStress, OwnStep, Position,
     StiffnessBound, VelocityGradient, Volume,
 };
-use engine::data::reduction::earlier;
 use engine::graph::task::{At, Body};
 use physics::law::{Events, Kinematics, Law, MAX_HISTORY, fits};
 use physics::tensor::{determinant, increment, multiply};
-use simd::{LANES, Mask, Simd, Wide, load, store};
+use simd::{Simd, load, store};
 
 /// F ← (1 + Δt L) F, then τ(F, history) of one law, V = J V⁰, and the bound of ρ₀ c².
 ///
@@ -26,14 +26,6 @@ engine::task! { Particles task Stress [L: Law] {
     }
     modifies { deformation: Deformation, history: History, volume: Volume }
 }}
-
-/// Kinds of faults, lane 1 of label `Fault`.
-pub mod fault {
-    /// J ≤ 0 or not a number.
-    pub const INVERTED: f64 = 1.0;
-    /// A velocity, stress or wave speed that is not a finite number.
-    pub const NOT_FINITE: f64 = 2.0;
-}
 
 impl<L: Law> Body for Stress<L> {
     #[inline(always)]
@@ -83,51 +75,6 @@ impl<L: Law> Body for Stress<L> {
                     who.meet(own[event] & here, &mut io.first[0][event]);
                 }
                 who.is_at_fault(inverted & here, fault::INVERTED, kinematics.j, &mut io.fault[0]);
-            }
-        }
-    }
-}
-
-/// Particles that something happened to: the rare branch.
-pub struct Who<'a> {
-    /// Their identities, as bits.
-    pub identity: &'a Wide,
-    /// Where they are [m].
-    pub x: &'a [Wide; 3],
-    /// When [s].
-    pub time: f64,
-}
-
-impl Who<'_> {
-    fn lanes(mask: Mask) -> impl Iterator<Item = usize> {
-        (0..LANES).filter(move |&i| mask >> i & 1 == 1)
-    }
-
-    fn identity(&self, lane: usize) -> f64 {
-        self.identity.0[lane].to_bits() as f64
-    }
-
-    /// Notes the first of them, if nothing earlier is known.
-    #[inline(never)]
-    fn meet(&self, mask: Mask, first: &mut Wide) {
-        for lane in Self::lanes(mask) {
-            let [x, y, z] = self.x.map(|x| x.0[lane]);
-            let line = Wide([self.time, self.identity(lane), x, y, z, 0.0, 0.0, 0.0]);
-            if earlier(&line, first) {
-                *first = line;
-            }
-        }
-    }
-
-    /// Reports the particle with the smallest identity.
-    #[inline(never)]
-    pub fn is_at_fault<S: Simd>(&self, mask: Mask, kind: f64, value: S, fault: &mut Wide) {
-        let values = value.lanes();
-        for lane in Self::lanes(mask) {
-            let [x, y, z] = self.x.map(|x| x.0[lane]);
-            let line = Wide([self.identity(lane), kind, values[lane], x, y, z, 0.0, 0.0]);
-            if earlier(&line, fault) {
-                *fault = line;
             }
         }
     }

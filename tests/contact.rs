@@ -10,14 +10,13 @@ use engine::data::workspace::{Workspace, no_columns};
 use engine::graph::task::{At, Runnable};
 use engine::schema::{Label, LabelId};
 use grid::{BlockShape, Lattice, Level, NODES};
-use physics::contact::Contact as Touch;
 use physics::contact::bonded::Bonded;
 use physics::contact::friction::{Criterion, Friction};
 use physics::contact::surface::SurfaceTable;
 use physics::contact::{AnyContactLaw, ContactLaw, Pair, dot};
 use simd::{Isa, Wide};
 use std::array::from_fn;
-use tasks::contact::Contact;
+use tasks::contact::{Contact, FieldPair};
 use tasks::labels::{self, SCHEMA};
 
 const CRITERIA: [Criterion; 3] =
@@ -155,7 +154,10 @@ fn every_node_keeps_its_momentum_whoever_meets_there() {
         for materials in [2, 3] {
             let pairs: &[[usize; 2]] = if materials == 2 { &[[0, 1]] } else { &[[0, 1], [0, 2], [1, 2]] };
             let task = Contact {
-                pairs: pairs.iter().map(|&between| Touch { between, law, gap: 0.0 }).collect(),
+                pairs: pairs
+                    .iter()
+                    .map(|between| FieldPair { between: between.map(FieldId::new), law, gap: 0.0 })
+                    .collect(),
                 lattice,
                 least_mass: 1e-14,
                 rigid: vec![false; materials],

@@ -8,8 +8,8 @@ use engine::schema::Label;
 use grid::Level;
 use scene::Scene;
 use simd::Wide;
+use tasks::fault::INVERTED;
 use tasks::labels;
-use tasks::stress::fault;
 
 /// Why a run could not begin or had to stop.
 #[derive(Debug, thiserror::Error)]
@@ -126,7 +126,7 @@ pub fn find(scene: &Scene, warehouse: &Warehouse, time: f64, step: u64) -> Optio
     let (material, line) =
         faults.filter(|(_, line)| line[0].is_finite()).min_by(|a, b| a.1[0].total_cmp(&b.1[0]))?;
     let [identity, kind, value, x, y, z, ..] = line;
-    let (what, task, remedy) = if kind == fault::INVERTED {
+    let (what, task, remedy) = if kind == INVERTED {
         let remedy = "The material is crushed or torn beyond what its law describes: lower run.cfl, refine, or give the \
                       material a policy (inversion = \"fail\" for tissue)";
         (format!("det F = {value:.3e}"), "Stress", remedy)

@@ -47,12 +47,12 @@ pub fn empty(
     node_labels: impl IntoIterator<Item = LabelId>,
 ) -> Warehouse {
     let touches = |a: usize, b: usize| scene.contacts.iter().any(|c| c.between == [a.min(b), a.max(b)]);
-    let all = 0..scene.materials.len();
+    let (all, fields) = (0..scene.materials.len(), recipes::fields(scene));
     let materials = all.clone().map(|material| MaterialData {
         name: scene.materials[material].name.clone(),
         layout: layout(material),
         half_size: recipes::half_size(scene, material),
-        fields: 1,
+        fields: fields.of(material).len(),
         interacts: all.clone().map(|other| touches(material, other)).collect(),
     });
     let (level, cut) = (super::layout::level(scene), (decomposition, partition));

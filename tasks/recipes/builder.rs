@@ -1,7 +1,7 @@
 //! The lines of recipes, as a scene asks for them.
 use crate::advance::Advance;
 use crate::boundary::Boundary;
-use crate::contact::Contact;
+use crate::contact::{Contact, FieldPair};
 use crate::contact_begin::ContactBegin;
 use crate::contact_power::ContactPower;
 use crate::drive::Drive;
@@ -17,6 +17,7 @@ use crate::stress::Stress;
 use crate::viscosity::Viscosity;
 use crate::weights::Weights;
 use engine::data::extent::Bases;
+use engine::data::fields::{FieldId, Fields};
 use engine::graph::recipe::Recipe;
 use engine::graph::task::Runnable;
 use grid::Lattice;
@@ -126,7 +127,7 @@ impl<'a> Builder<'a> {
             SurfaceTable::new(0.5 * mean(spacing(self.scene, m)), mean(half_size(self.scene, m)))
         });
         let task = Contact {
-            pairs: self.scene.contacts.clone(),
+            pairs: field_pairs(self.scene),
             lattice: self.lattice,
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
@@ -232,4 +233,21 @@ fn spacing(scene: &Scene, material: usize) -> [f64; 3] {
 
 pub(super) fn rigid(scene: &Scene) -> Vec<bool> {
     scene.materials.iter().map(|m| matches!(m.behavior, Behavior::Rigid(_))).collect()
+}
+
+/// The velocity fields of a scene: one for each material.
+pub fn fields(scene: &Scene) -> Fields {
+    Fields::new(scene.materials.iter().map(|_| 1))
+}
+
+/// The pairs of fields that touch: of two materials in contact, each field of one and each of the other.
+fn field_pairs(scene: &Scene) -> Vec<FieldPair> {
+    let (fields, mut pairs) = (fields(scene), Vec::new());
+    for contact in &scene.contacts {
+        let [first, second] = contact.between.map(|m| fields.of(m));
+        for between in first.flat_map(|a| second.clone().map(move |b| [a, b])) {
+            pairs.push(FieldPair { between: between.map(FieldId::new), law: contact.law, gap: contact.gap });
+        }
+    }
+    pairs
 }

@@ -5,7 +5,7 @@ mod explicit;
 mod report;
 mod start;
 
-pub use builder::half_size;
+pub use builder::{fields, half_size};
 pub use explicit::{step, tick, timestep_size};
 pub use report::report;
 pub use start::start;

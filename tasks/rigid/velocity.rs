@@ -1,8 +1,9 @@
 use crate::labels::{NodeMotion, RigidMotion};
+use crate::node::Motion;
 use engine::graph::task::{At, Body};
 use grid::Lattice;
 use grid::NODES;
-use simd::{Simd, Wide};
+use simd::Simd;
 
 /// v_I = V + ω × (x_I − X_c) on the nodes of rigid materials.
 pub struct RigidVelocity {
@@ -24,8 +25,7 @@ impl Body for RigidVelocity {
         for (motions, field) in fields.filter(|(_, f)| self.rigid[f.material]) {
             let body = &io.bodies[field.material];
             for (n, motion) in motions.iter_mut().enumerate() {
-                let [x, y, z] = body.velocity_at(self.lattice.position(at.node_of(n)));
-                *motion = Wide([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]);
+                *motion = Motion::at(body.velocity_at(self.lattice.position(at.node_of(n))));
             }
         }
     }

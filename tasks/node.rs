@@ -1,0 +1,123 @@
+//! What a line of a node holds: the lane of each number stands here, and nowhere else.
+use bytemuck::{Pod, Zeroable};
+use simd::{Simd, Wide};
+
+/// What particles of one field give to a node: m, m v (3), f (3), V.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Sums(pub Wide);
+
+impl Sums {
+    /// m_I [kg]
+    #[inline(always)]
+    pub fn mass(&self) -> f64 {
+        self.0.0[0]
+    }
+    /// f_I [N]
+    #[inline(always)]
+    pub fn force(&self) -> [f64; 3] {
+        let [_, _, _, _, x, y, z, _] = self.0.0;
+        [x, y, z]
+    }
+    /// V_I [m³]
+    #[inline(always)]
+    pub fn volume(&self) -> f64 {
+        self.0.0[7]
+    }
+    /// (m v)_I, as the velocity of a [`Motion`] without a change.
+    #[inline(always)]
+    pub fn momentum_line<S: Simd>(&self) -> S {
+        S::blend_force(S::load(&self.0).momentum_to_low(), S::splat(0.0))
+    }
+    /// f_I, as velocity and change of a [`Motion`].
+    #[inline(always)]
+    pub fn force_line<S: Simd>(&self) -> S {
+        let force = S::load(&self.0).momentum_to_low().swap_halves();
+        S::join_low(force, force)
+    }
+}
+
+/// Where the surface of one field lies near a node: 0, m x (3), Σ V ∇S (3), 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Surface(pub Wide);
+
+impl Surface {
+    /// (m x)_I, an axis of it [kg m].
+    #[inline(always)]
+    pub fn moment(&self, axis: usize) -> f64 {
+        self.0.0[1 + axis]
+    }
+    /// Σ V ∇S, which points out of the matter, an axis of it [m²].
+    #[inline(always)]
+    pub fn outward(&self, axis: usize) -> f64 {
+        self.0.0[4 + axis]
+    }
+}
+
+/// How one field moves at a node: v (3), 0, Δv (3), 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Motion(pub Wide);
+
+impl Motion {
+    /// A node that moves at `v` [m/s], with no change yet.
+    #[inline(always)]
+    pub fn at([x, y, z]: [f64; 3]) -> Self {
+        Self(Wide([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    }
+    /// v_I [m/s]
+    #[inline(always)]
+    pub fn velocity(&self) -> [f64; 3] {
+        let [x, y, z, ..] = self.0.0;
+        [x, y, z]
+    }
+    /// v⁰_I: the velocity that the step began with [m/s].
+    #[inline(always)]
+    pub fn start(&self) -> [f64; 3] {
+        let [x, y, z, _, dx, dy, dz, _] = self.0.0;
+        [x - dx, y - dy, z - dz]
+    }
+    /// (v⁰ + v)/2 [m/s]
+    #[inline(always)]
+    pub fn mean(&self) -> [f64; 3] {
+        let [x, y, z, _, dx, dy, dz, _] = self.0.0;
+        [x - 0.5 * dx, y - 0.5 * dy, z - 0.5 * dz]
+    }
+    /// Adds `dv` to the velocity, and to what particles will be told of the change.
+    #[inline(always)]
+    pub fn add(&mut self, dv: [f64; 3]) {
+        for axis in 0..3 {
+            self.0.0[axis] += dv[axis];
+            self.0.0[4 + axis] += dv[axis];
+        }
+    }
+}
+
+/// What contact has given to one field at a node in this step: normal impulse (3), 0, friction (3), 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Impulse(pub Wide);
+
+impl Impulse {
+    /// The part along normals [N s].
+    #[inline(always)]
+    pub fn normal(&self) -> [f64; 3] {
+        let [x, y, z, ..] = self.0.0;
+        [x, y, z]
+    }
+    /// The part of friction [N s].
+    #[inline(always)]
+    pub fn friction(&self) -> [f64; 3] {
+        let [_, _, _, _, x, y, z, _] = self.0.0;
+        [x, y, z]
+    }
+    /// Adds ± an exchange.
+    #[inline(always)]
+    pub fn add(&mut self, sign: f64, normal: [f64; 3], friction: [f64; 3]) {
+        for axis in 0..3 {
+            self.0.0[axis] += sign * normal[axis];
+            self.0.0[4 + axis] += sign * friction[axis];
+        }
+    }
+}
