@@ -3,6 +3,7 @@ use super::args::SceneArgs;
 use super::fail::Failure;
 use engine::graph::build::TaskGraph;
 use engine::graph::check::hazards;
+use engine::program::{self, Program};
 use grid::{BLOCK, Decomposition, Patch};
 use scene::Scene;
 use sinew::lab::diagram::Diagram;
@@ -148,22 +149,38 @@ fn diagram<'a>(
 
 /// Answers `--check`.
 fn check(scene: &Scene, patches: usize, decomposition: &Decomposition) -> Result<(), Failure> {
-    let (graph, refusals) = plan::inspect(scene, patches);
+    let (program, refusals) = plan::inspect(scene, patches);
     let across = |patch: &Patch| patch.blocks.size().map(|blocks| blocks * BLOCK as usize);
     let narrowest = decomposition.patches.iter().flat_map(across).min().unwrap_or(0);
-    let hazards = hazards(&graph, narrowest, &plan::read_by_reports(scene));
-    refusals.iter().for_each(|refusal| println!("refused: {refusal}"));
-    hazards.iter().for_each(|hazard| println!("{hazard}"));
-    let tasks = graph.graph.node_count();
-    match refusals.len() + hazards.len() {
-        0 => {
-            let word = if patches == 1 { "patch" } else { "patches" };
-            println!("{tasks} tasks on {patches} {word}: no race, no undeclared halo, no idle label");
-            Ok(())
-        }
-        1 => Err(Failure::Run("one finding".to_owned())),
-        many => Err(Failure::Run(format!("{many} findings"))),
+    let reported = plan::read_by_reports(scene);
+    let graphs = program.graphs();
+    let mut findings: Vec<String> = refusals.iter().map(|refusal| format!("refused: {refusal}")).collect();
+    for graph in &graphs {
+        let place = if graphs.len() > 1 { format!("graph {}: ", graph.name) } else { String::new() };
+        let found = hazards(graph, narrowest, &reported);
+        findings.extend(found.iter().map(|hazard| format!("{place}{hazard}")));
     }
+    findings.extend(program::hazards(&program).iter().map(ToString::to_string));
+    findings.iter().for_each(|finding| println!("{finding}"));
+    match findings.len() {
+        0 => println!("{}", clean(&program, patches)),
+        1 => return Err(Failure::Run("one finding".to_owned())),
+        many => return Err(Failure::Run(format!("{many} findings"))),
+    }
+    Ok(())
+}
+
+/// What was looked at and found to be in order.
+fn clean(program: &Program, patches: usize) -> String {
+    let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
+    let tasks = program.graphs().iter().map(|graph| graph.graph.node_count()).sum();
+    format!(
+        "{} on {}: no race, no undeclared halo, no idle label\n{}, {}: each label that is read was left, by an earlier graph, the round before or the last step, and each loop computes what it waits for",
+        count(tasks, "task", "tasks"),
+        count(patches, "patch", "patches"),
+        count(program.graphs().len(), "graph", "graphs"),
+        count(program.loops().len(), "loop", "loops"),
+    )
 }
 
 /// Answers `--why`.
