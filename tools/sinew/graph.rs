@@ -6,12 +6,12 @@ use engine::graph::check::hazards;
 use engine::program::{self, Program};
 use grid::{BLOCK, Decomposition, Patch};
 use scene::Scene;
-use sinew::lab::diagram::Diagram;
+use sinew::lab::diagram::Chart;
 use sinew::lab::plan::{self, Plan};
 use sinew::output::trace;
 use sinew::output::trace::measured::Measured;
 use sinew::simulation::rates::Cycle;
-use sinew::simulation::{rates, step_graph};
+use sinew::simulation::{rates, step_program};
 use std::path::PathBuf;
 
 /// Output form.
@@ -29,9 +29,9 @@ enum Format {
     Html,
 }
 
-/// Print the task graph of a step of a scene
+/// Print the program of a step of a scene: its task graphs, in loops
 ///
-/// Tasks, what they read and write, the edges that follow from it, fused stages, what patches and ranks exchange, and the
+/// The tree of graphs and loops, and what passes between them; of each graph, tasks, what they read and write, the edges that follow from it, fused stages, what patches and ranks exchange, and the
 /// critical path. Bytes and messages are counted on the particles with which the scene begins.
 #[derive(clap::Args)]
 pub struct Args {
@@ -55,7 +55,8 @@ pub struct Args {
     /// Which line of the scene asked for this task? Who writes and reads this label? With A:B: why does A come before B?
     #[arg(long, value_name = "TASK|LABEL|A:B", conflicts_with_all = ["check", "trace"])]
     why: Option<String>,
-    /// Look for races, undeclared halos, idle labels and the like; exit status 1 if there are any
+    /// Look for races, undeclared halos, idle labels and the like, and for labels that a graph or the next round of a loop reads
+    /// and nobody has left; exit status 1 if there are any
     #[arg(long)]
     check: bool,
     /// Take times from the trace of a run: sinew run SCENE --trace writes it to RUN/trace.json
@@ -72,9 +73,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let wanted = if args.ranks > 1 { args.ranks.saturating_mul(PATCHES) } else { 1 };
     let plan = plan::plan(&scene, wanted, args.ranks).map_err(Failure::usage)?;
     let patches = plan.decomposition.patches.len();
-    let mut graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
+    let mut program = step_program(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
     if let Some(what) = &args.why {
-        return why(&scene, &graph, what);
+        return why(&scene, &program, what);
     }
     if args.check {
         return check(&scene, patches, &plan.decomposition);
@@ -84,11 +85,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let measured = args.trace.as_deref().map(trace::read).transpose().map_err(Failure::usage)?;
     if args.format == Format::Html {
         // the page is for people: they want the line
-        for entry in graph.recipe.entries.iter_mut().filter(|entry| !entry.because.is_empty()) {
+        let entries = program.graphs_mut().into_iter().flat_map(|graph| &mut graph.recipe.entries);
+        for entry in entries.filter(|entry| !entry.because.is_empty()) {
             entry.because = because(&scene, &entry.because);
         }
     }
-    show(args, &scene, &graph, &plan, measured.as_ref())
+    show(args, &scene, &program, &plan, measured.as_ref())
 }
 
 /// Refuses a patch or rank that does not exist.
@@ -104,47 +106,44 @@ fn outside(what: &str, wanted: Option<usize>, count: usize) -> Result<(), Failur
 fn show(
     args: &Args,
     scene: &Scene,
-    graph: &TaskGraph,
+    program: &Program,
     plan: &Plan,
     measured: Option<&Measured>,
 ) -> Result<(), Failure> {
     let cycle = rates::at_rest(scene);
-    let of = |expanded| diagram(args, graph, &cycle, plan, measured, expanded);
+    let of = |expanded| chart(args, program, &cycle, plan, measured, expanded);
     let expanded = args.expanded || args.patch.is_some() || args.rank.is_some();
-    let diagram = of(expanded);
+    let chart = of(expanded);
     match args.format {
-        Format::Text => print!("{}", diagram.to_text()),
-        Format::Dot => print!("{}", diagram.to_dot()),
-        Format::Json => println!("{:#}", diagram.to_json()),
-        Format::Svg => print!("{}", diagram.to_svg().map_err(Failure::usage)?),
+        Format::Text => print!("{}", chart.to_text()),
+        Format::Dot => print!("{}", chart.to_dot()),
+        Format::Json => println!("{:#}", chart.to_json()),
+        Format::Svg => print!("{}", chart.to_svg().map_err(Failure::usage)?),
         Format::Html => {
             let other = (plan.traffic.patches() > 1).then(|| of(!expanded));
             let title = format!("{}: a step", scene.title);
-            print!("{}", diagram.to_html(&title, other.as_ref()).map_err(Failure::usage)?);
+            print!("{}", chart.to_html(&title, other.as_ref()).map_err(Failure::usage)?);
         }
     }
     Ok(())
 }
 
-fn diagram<'a>(
+fn chart<'a>(
     args: &Args,
-    graph: &'a TaskGraph,
+    program: &'a Program,
     cycle: &'a Cycle,
     plan: &'a Plan,
     measured: Option<&'a Measured>,
     expanded: bool,
-) -> Diagram<'a> {
-    if !expanded {
-        return Diagram::collapsed(graph, cycle, &plan.traffic, measured);
+) -> Chart<'a> {
+    let mut chart = Chart::new(program, cycle, &plan.traffic, measured, expanded);
+    if let Some(patch) = args.patch.filter(|_| expanded) {
+        chart.keep(|item| item.patch == Some(patch));
     }
-    let mut diagram = Diagram::expanded(graph, cycle, &plan.traffic, measured);
-    if let Some(patch) = args.patch {
-        diagram.keep(|item| item.patch == Some(patch));
+    if let Some(rank) = args.rank.filter(|_| expanded) {
+        chart.keep(|item| item.rank == Some(rank) || item.to_rank == Some(rank));
     }
-    if let Some(rank) = args.rank {
-        diagram.keep(|item| item.rank == Some(rank) || item.to_rank == Some(rank));
-    }
-    diagram
+    chart
 }
 
 /// Answers `--check`.
@@ -184,11 +183,15 @@ fn clean(program: &Program, patches: usize) -> String {
 }
 
 /// Answers `--why`.
-fn why(scene: &Scene, graph: &TaskGraph, what: &str) -> Result<(), Failure> {
-    let lines = match what.split_once(':') {
+fn why(scene: &Scene, program: &Program, what: &str) -> Result<(), Failure> {
+    let of = |graph: &TaskGraph| match what.split_once(':') {
         Some((from, to)) => graph.why_edge(from.trim(), to.trim()),
         None => tasks(scene, graph, what).into_iter().chain(graph.why_label(what)).collect(),
     };
+    let graphs = program.graphs();
+    let head = |graph: &TaskGraph| (graphs.len() > 1).then(|| format!("in graph {}:", graph.name));
+    let answers = graphs.iter().map(|graph| (head(graph), of(graph))).filter(|(_, lines)| !lines.is_empty());
+    let lines: Vec<String> = answers.flat_map(|(head, lines)| head.into_iter().chain(lines)).collect();
     if lines.is_empty() {
         return Err(Failure::usage(match what.split_once(':') {
             Some((from, to)) => format!("nothing makes {from} come before {to} in this scene"),

@@ -102,6 +102,13 @@ impl Program {
         graphs
     }
 
+    /// All its graphs, in order, to change what is known of them.
+    pub fn graphs_mut(&mut self) -> Vec<&mut TaskGraph> {
+        let mut graphs = Vec::new();
+        self.nodes.iter_mut().for_each(|node| node.graphs_mut(&mut graphs));
+        graphs
+    }
+
     /// All its loops, outer ones before those in them.
     pub fn loops(&self) -> Vec<&Loop> {
         let mut loops = Vec::new();
@@ -188,6 +195,13 @@ impl Node {
             Node::Loop(it) => it.body.iter().for_each(|node| node.graphs(graphs)),
         }
     }
+    fn graphs_mut<'a>(&'a mut self, graphs: &mut Vec<&'a mut TaskGraph>) {
+        match self {
+            Node::Graph(graph) => graphs.push(graph),
+            Node::Loop(it) => it.body.iter_mut().for_each(|node| node.graphs_mut(graphs)),
+        }
+    }
+
     fn loops<'a>(&'a self, loops: &mut Vec<&'a Loop>) {
         if let Node::Loop(it) = self {
             loops.push(it);
