@@ -61,6 +61,7 @@ macro_rules! graph {
         engine::program::Script::Graph($name, recipe)
     }};
 }
+#[allow(unused_imports)] // each test takes what it needs
 pub(crate) use graph;
 
 pub fn repeat(until: LabelId, most: u64, body: Vec<Script>) -> Script {
