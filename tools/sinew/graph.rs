@@ -17,11 +17,11 @@ use std::path::PathBuf;
 /// Output form.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 enum Format {
-    /// Tables: tasks, messages, critical path
+    /// The outline; then of each graph tables of tasks, messages, critical path
     Text,
     /// Graphviz
     Dot,
-    /// All that is known about tasks, edges and messages
+    /// The tree, and all that is known about tasks, edges, messages and what passes between graphs
     Json,
     /// A picture
     Svg,

@@ -1,6 +1,6 @@
 //! What runs, as a small tree: graphs in sequence, and loops until a label says that it is enough. A step of an explicit
 //! method is one, with the ticks of materials that take steps of their own as a loop; so are a Newton iteration around a
-//! Krylov iteration, and a contact of rigid bodies that converges.
+//! Krylov iteration, and a search for bodies that touch until none is new.
 mod check;
 mod follow;
 mod outline;

@@ -1,5 +1,5 @@
 //! Makes diagrams: columns from phases and exchanges, items in them, and links from the edges of the graph.
-use super::{Diagram, Group, Item, Kind, Lane, Link};
+use super::{Diagram, Group, Item, Kind, Lane, Link, Runs};
 use crate::output::trace::measured::Measured;
 use crate::simulation::rates::Cycle;
 use engine::graph::build::TaskGraph;
@@ -43,7 +43,7 @@ impl<'a> Diagram<'a> {
             traffic,
             measured,
             expanded,
-            repeated: false,
+            runs: Runs::Alone,
             prefix: String::new(),
             columns: Vec::new(),
             lanes: Vec::new(),

@@ -39,6 +39,17 @@ pub enum Kind {
     Relocation,
 }
 
+/// How a step runs a graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Runs {
+    /// Once, and nothing else.
+    Alone,
+    /// Once, among others.
+    Once,
+    /// In the rounds of a loop.
+    Rounds,
+}
+
 /// A node of the diagram.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
@@ -133,8 +144,8 @@ pub struct Diagram<'a> {
     pub measured: Option<&'a Measured>,
     /// Whether a task is one item a patch.
     pub expanded: bool,
-    /// Whether a step runs the graph several times, in a loop.
-    pub repeated: bool,
+    /// How a step runs the graph.
+    pub runs: Runs,
     /// What ids begin with.
     pub prefix: String,
     /// Titles of the columns.
@@ -161,10 +172,11 @@ impl Diagram<'_> {
 
     /// What times of items and of the critical path are about.
     pub fn span(&self) -> &'static str {
-        match (self.measured, self.repeated) {
-            (None, true) => "one round",
-            (Some(_), true) => "a step, all its rounds together",
-            (_, false) => "a step",
+        match (self.runs, self.measured) {
+            (Runs::Alone, _) => "a step",
+            (Runs::Once, _) => "its run in a step",
+            (Runs::Rounds, None) => "one round",
+            (Runs::Rounds, Some(_)) => "a step, all its rounds together",
         }
     }
 

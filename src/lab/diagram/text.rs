@@ -1,5 +1,5 @@
 //! What a diagram adds to the table of tasks: items, messages and the critical path, for people.
-use super::{Diagram, Kind, bytes, cost::ESTIMATE, time};
+use super::{Diagram, Kind, Runs, bytes, cost::ESTIMATE, time};
 use engine::graph::traffic::Messages;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -64,10 +64,10 @@ impl Diagram<'_> {
 
     /// Messages of a step by what they are about, then by pair of ranks.
     fn messages(&self, out: &mut String) {
-        let per = match (self.cycle.most, self.repeated) {
+        let per = match (self.cycle.most, self.runs) {
             (Some(_), _) => "tick in which all materials act",
-            (None, true) => "round",
-            (None, false) => "step",
+            (None, Runs::Rounds) => "round",
+            (None, _) => "step",
         };
         let (ranks, patches) = (self.traffic.ranks, self.traffic.patches());
         let word = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
@@ -82,6 +82,10 @@ impl Diagram<'_> {
             return;
         }
         let causes = self.traffic.by_cause(self.graph);
+        if causes.is_empty() {
+            let _ = writeln!(out, "  none: it needs nothing of other ranks");
+            return;
+        }
         let mut all: BTreeMap<(usize, usize), Messages> = BTreeMap::new();
         for (cause, pairs) in &causes {
             let mut sum = Messages::default();

@@ -9,7 +9,7 @@ mod svg;
 mod text;
 
 use super::select::drawable;
-use super::{Diagram, Item};
+use super::{Diagram, Item, Runs};
 use crate::output::trace::measured::Measured;
 use crate::simulation::rates::Cycle;
 use engine::graph::traffic::Traffic;
@@ -43,7 +43,11 @@ impl<'a> Chart<'a> {
         surround(&program.nodes, &mut path, &mut next, &mut around);
         let (loops, several) = (program.loops(), diagrams.len() > 1);
         for (number, (diagram, around)) in diagrams.iter_mut().zip(&around).enumerate() {
-            diagram.repeated = around.iter().any(|&it| loops[it].most > 1);
+            diagram.runs = match around.iter().any(|&it| loops[it].most > 1) {
+                true => Runs::Rounds,
+                false if several => Runs::Once,
+                false => Runs::Alone,
+            };
             if several {
                 diagram.rename(&format!("g{number}"));
             }

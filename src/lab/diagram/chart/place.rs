@@ -135,9 +135,9 @@ impl Placer<'_, '_> {
     fn head(&self, flow: &Flow, width: f64) -> Vec<String> {
         let from = self.chart.name(flow.from);
         let of = match (flow.when, self.chart.several()) {
-            (When::NextRound, true) => format!("to the next round, of {from}:"),
-            (When::NextRound, false) => "to the next round:".to_owned(),
-            _ => format!("of {from}:"),
+            (When::NextRound, true) => format!("from {from}, the round before:"),
+            (When::NextRound, false) => "from the round before:".to_owned(),
+            _ => format!("from {from}:"),
         };
         let most = ((width - 30.0) / LETTER) as usize;
         let mut lines = vec![of];

@@ -41,7 +41,9 @@ markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0
             first += diagram.links.len();
         }
         sheet.tracks.iter().for_each(|track| self.draw_track(track, &flows[track.flow], prefix, &mut out));
-        let span = self.diagrams.first().map_or("a step", |diagram| diagram.span());
+        let spans: Vec<&str> = self.diagrams.iter().map(|diagram| diagram.span()).collect();
+        let same = spans.iter().all(|span| *span == spans[0]);
+        let span = if same { spans[0] } else { "one run of each graph" };
         let _ = writeln!(out, "<text class=\"small\" x=\"12\" y=\"{:.1}\">{}</text>", h - 6.0, legend(span));
         out.push_str("</svg>");
         out

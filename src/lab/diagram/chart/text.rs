@@ -28,7 +28,7 @@ impl Chart<'_> {
                 When::NextRound => format!("graph {from} in the round before"),
                 When::NextStep => format!("graph {from} in the step before"),
             };
-            let _ = writeln!(out, "takes of {of}: {}", names(&flow.labels));
+            let _ = writeln!(out, "takes from {of}: {}", names(&flow.labels));
         }
     }
 }
