@@ -25,7 +25,7 @@ const LEAST: f64 = 420.0;
 pub(super) struct Frame {
     /// Where.
     pub(super) rect: Rect,
-    /// Its caption; a graph that is alone has none.
+    /// Its caption.
     pub(super) caption: String,
     /// Whether it is that of a loop.
     pub(super) round: bool,
@@ -111,20 +111,21 @@ impl Placer<'_, '_> {
         (left - x + width + MARGIN, below - y)
     }
 
-    /// Places a graph: caption, head, picture, and below it what leaves it.
+    /// Places a graph: caption, head, picture, and below it what leaves it. One that passes nothing on has no box if it is alone.
     fn graph(&mut self, (x, y): (f64, f64)) -> (f64, f64) {
         let number = self.boxes.len();
         let layout = &self.layouts[number];
         let w = layout.width.max(LEAST);
-        let caption = if self.chart.several() { CAPTION } else { 0.0 };
         let coming = self.shown().filter(|(_, flow)| flow.to == number);
         let lines: usize = coming.map(|(_, flow)| self.head(flow, w).len()).sum();
         let leaving = self.shown().filter(|(_, flow)| flow.from == number).count();
+        let framed = self.chart.several() || leaving > 0;
+        let caption = if framed { CAPTION } else { 0.0 };
         let head = if lines > 0 { LINE * lines as f64 + 6.0 } else { 0.0 };
         let rect = Rect { x, y, w, h: caption + head + layout.height + OUT * leaving as f64 };
         self.boxes.push((rect, y + caption + LINE));
         self.sheet.origins.push((x, y + caption + head));
-        if self.chart.several() {
+        if framed {
             let caption = format!("graph {}", self.chart.name(number));
             self.sheet.frames.push(Frame { rect, caption, round: false });
         }
