@@ -154,7 +154,14 @@ fn the_graph_prints_in_every_form_and_says_why() {
     let graph = |more: &[&str]| sinew(&[&["graph", "problems/slab-quick"], more].concat());
     let text = graph(&["--ranks", "2"]);
     assert!(text.status.success());
-    for word in ["Scatter", "messages a step", "0 -> 1: 4 messages", "critical path", "estimated"] {
+    for word in [
+        "Scatter",
+        "messages a step",
+        "0 -> 1: 4 messages",
+        "critical path of a step",
+        "estimated",
+        "loop until StepOver, once",
+    ] {
         assert!(words(&text).contains(word), "{}", words(&text));
     }
     assert!(words(&graph(&["--format", "dot"])).starts_with("digraph"));
@@ -175,7 +182,11 @@ fn the_graph_prints_in_every_form_and_says_why() {
     {
         assert!(words(&graph(&["--why", what])).contains(word), "{what}");
     }
-    assert!(graph(&["--check"]).status.success());
+    let check = graph(&["--check"]);
+    assert!(check.status.success());
+    for word in ["32 tasks on 1 patch: no race", "1 graph, 1 loop: each label that is read was left"] {
+        assert!(words(&check).contains(word), "{}", words(&check));
+    }
     for wrong in [
         &["--why", "Nonsense"][..],
         &["--why", "Stress:Weights:x"],

@@ -157,9 +157,13 @@ fn shipped_scenes_are_clean() {
     {
         for rates in ["common", "per-material"] {
             let scene = common::problem(name, &[("run.rates", rates)]);
-            let (graph, refusals) = sinew::lab::plan::inspect(&scene, 1);
+            let (program, refusals) = sinew::lab::plan::inspect(&scene, 1);
             assert_eq!(refusals, []);
-            assert_eq!(hazards(&graph, 4, &sinew::lab::plan::read_by_reports(&scene)), [], "{name}, {rates}");
+            assert_eq!(
+                hazards(program.main_graph(), 4, &sinew::lab::plan::read_by_reports(&scene)),
+                [],
+                "{name}, {rates}"
+            );
         }
     }
 }

@@ -5,18 +5,23 @@ use common::{Overrides, problem, scene, start};
 use engine::data::rates::MaterialStep;
 use engine::graph::build::TaskGraph;
 use engine::graph::traffic::Traffic;
+use engine::program::Program;
 use engine::schema::Label;
 use scene::Scene;
-use sinew::lab::diagram::Diagram;
+use sinew::lab::diagram::Chart;
 use sinew::lab::diagram::export::Shown;
 use sinew::simulation::rates::Cycle;
-use sinew::simulation::{rates, step_graph};
+use sinew::simulation::{rates, step_graph, step_program};
 use tasks::labels;
 
 const OWN: Overrides<'_> = &[("run.rates", "per-material")];
 
 fn export(scene: &Scene) -> (TaskGraph, Cycle) {
     (step_graph(scene, 1).unwrap_or_else(|e| panic!("{e}")), rates::at_rest(scene))
+}
+
+fn program(scene: &Scene) -> Program {
+    step_program(scene, 1).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The lines of a text that contain a word.
@@ -26,14 +31,21 @@ fn with<'a>(text: &'a str, word: &str) -> Vec<&'a str> {
 
 #[test]
 fn a_common_step_is_one_tick_and_the_text_does_not_mention_it() {
-    let (graph, cycle) = export(&problem("slab-quick", &[]));
+    let scene = problem("slab-quick", &[]);
+    let (graph, cycle) = export(&scene);
     let text = Shown { graph: &graph, cycle: &cycle }.to_text();
     assert!(text.starts_with("phase 0: once\n  TimestepSize "), "{text}");
     assert!(text.contains("phase 1: particles, fused chunk by chunk of tissue\n"));
     assert!(!text.contains("tick") && !text.contains("when its step"), "{text}");
-    let traffic = Traffic::none(graph.recipe.materials.len());
-    let dot = Diagram::collapsed(&graph, &cycle, &traffic, None).to_dot();
-    assert!(!dot.contains("cluster_step") && !dot.contains("cluster_tick"));
+    let (program, traffic) = (program(&scene), Traffic::none(graph.recipe.materials.len()));
+    let chart = Chart::new(&program, &cycle, &traffic, None, false);
+    let dot = chart.to_dot();
+    assert!(
+        dot.contains("cluster_loop0 { label=\"loop until StepOver, once\"") && !dot.contains("cluster_tick")
+    );
+    assert!(
+        chart.to_text().starts_with("program step\n  loop until StepOver, once\n    graph tick: 32 tasks\n")
+    );
     let json = Shown { graph: &graph, cycle: &cycle }.to_json();
     assert_eq!((&json["rates"]["mode"], &json["rates"]["most"]), (&"common".into(), &1.into()));
     assert_eq!(graph.why("TimestepSize"), [("TimestepSize".to_owned(), String::new())]);
@@ -44,12 +56,10 @@ fn the_text_shows_the_tick_in_the_step_and_when_each_material_acts() {
     let (graph, cycle) = export(&problem("slab-quick", OWN));
     let text = Shown { graph: &graph, cycle: &cycle }.to_text();
     let mut lines = text.lines();
-    assert_eq!(lines.next(), Some("step: until all materials are together again"));
     let estimate = lines.next().expect("rates");
     for word in ["estimates at rest", "tissue 37 ticks (", "lead 1 tick"] {
         assert!(estimate.contains(word), "{estimate}");
     }
-    assert_eq!(lines.next(), Some("  tick: repeated, at most 256 times"));
     for material in ["tissue", "lead"] {
         for end in ["begins", "ends"] {
             let wanted = format!("chunk by chunk of {material}: when its step {end}");
@@ -58,15 +68,16 @@ fn the_text_shows_the_tick_in_the_step_and_when_each_material_acts() {
     }
     assert_eq!(with(&text, "phase 0: once each tick").len(), 1);
     assert_eq!(with(&text, "in blocks where the step of a material ends").len(), 1);
-    assert_eq!(text.lines().filter(|l| l.starts_with("      ")).count(), graph.graph.node_count());
+    assert_eq!(text.lines().filter(|l| l.starts_with("  ")).count(), graph.graph.node_count());
     assert_eq!(graph.why("TimestepSize"), [("TimestepSize".to_owned(), "run.rates".to_owned())]);
 }
 
 #[test]
 fn dot_draws_the_stages_of_a_material_that_waits_outside_of_the_tick() {
-    let (graph, cycle) = export(&problem("slab-quick", OWN));
-    let traffic = Traffic::none(graph.recipe.materials.len());
-    let dot = Diagram::collapsed(&graph, &cycle, &traffic, None).to_dot();
+    let scene = problem("slab-quick", OWN);
+    let (graph, cycle) = export(&scene);
+    let (program, traffic) = (program(&scene), Traffic::none(graph.recipe.materials.len()));
+    let dot = Chart::new(&program, &cycle, &traffic, None, false).to_dot();
     assert_eq!(dot.matches('{').count(), dot.matches('}').count());
     // names of clusters in the order of the text, with how deep they lie
     let (mut depth, mut clusters) = (0, Vec::new());
@@ -80,7 +91,11 @@ fn dot_draws_the_stages_of_a_material_that_waits_outside_of_the_tick() {
     let at = |depth: usize, word: &str| {
         clusters.iter().filter(|(d, name)| *d == depth && name.contains(word)).count()
     };
-    assert_eq!((at(1, "cluster_step"), at(2, "cluster_tick")), (1, 1), "{clusters:?}");
+    assert_eq!(
+        (at(1, "loop until StepOver, at most 256 rounds"), at(2, "cluster_tick")),
+        (1, 1),
+        "{clusters:?}"
+    );
     assert_eq!((at(2, "particles of tissue"), at(3, "particles of lead")), (2, 2), "{clusters:?}");
     assert_eq!((at(3, "\"once\""), at(3, "\"nodes\"")), (2, 1), "{clusters:?}");
     assert_eq!(clusters.len(), 9);

@@ -155,7 +155,7 @@ fn a_diagram_takes_its_times_from_the_trace() {
         let lead = graph.phases[1].stages[1].nodes[0];
         assert!(diagram.of(Item::Task(lead)).all(|item| !item.measured && item.cost > 0.0), "an estimate");
     }
-    let text = Diagram::collapsed(&graph, &cycle, &plan.traffic, Some(&measured)).to_text();
+    let text = Diagram::collapsed(&graph, &cycle, &plan.traffic, Some(&measured)).report();
     for words in ["mean times a step", "rank thread", "waits ", "(estimated)", "2 steps"] {
         assert!(text.contains(words), "{words}: {text}");
     }

@@ -3,9 +3,9 @@ use crate::simulation::{layout, populate, step_program};
 use engine::data::layout::ParticleLayout;
 use engine::data::warehouse::Warehouse;
 use engine::exec::traffic;
-use engine::graph::build::TaskGraph;
 use engine::graph::error::GraphError;
 use engine::graph::traffic::Traffic;
+use engine::program::Program;
 use engine::schema::{Label, LabelId};
 use grid::{Decomposition, Partition};
 use scene::{Material, Scene, sampling};
@@ -42,14 +42,14 @@ pub fn plan(scene: &Scene, wanted: usize, ranks: usize) -> Result<Plan, String> 
     Ok(Plan { decomposition, partition, traffic })
 }
 
-/// The graph of a step of `scene`, with all that is to be refused in it.
-pub fn inspect(scene: &Scene, patches: usize) -> (TaskGraph, Vec<GraphError>) {
+/// The program of a step of `scene`, with all that is to be refused in it.
+pub fn inspect(scene: &Scene, patches: usize) -> (Program, Vec<GraphError>) {
     match step_program(scene, patches) {
-        Ok(program) => (program.into_main_graph(), Vec::new()),
+        Ok(program) => (program, Vec::new()),
         // nothing is pruned, so that all of it shows
         Err(_) => {
             let all: Vec<LabelId> = SCHEMA.labels().collect();
-            TaskGraph::inspect(recipes::tick(scene), &all, patches)
+            Program::inspect("step", recipes::step(scene), &all, patches)
         }
     }
 }

@@ -149,7 +149,8 @@ macro_rules! tasks {
                 fn run<S: simd::Simd>(&self, _at: &engine::graph::task::At<'_>, _io: Io<'_>) {}
             }
         }
-        use $module::$name;
+        #[allow(unused_imports)]
+        pub(crate) use $module::$name;
     )*};
 }
 #[allow(unused_imports)]

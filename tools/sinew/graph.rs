@@ -3,24 +3,25 @@ use super::args::SceneArgs;
 use super::fail::Failure;
 use engine::graph::build::TaskGraph;
 use engine::graph::check::hazards;
+use engine::program::{self, Program};
 use grid::{BLOCK, Decomposition, Patch};
 use scene::Scene;
-use sinew::lab::diagram::Diagram;
+use sinew::lab::diagram::Chart;
 use sinew::lab::plan::{self, Plan};
 use sinew::output::trace;
 use sinew::output::trace::measured::Measured;
 use sinew::simulation::rates::Cycle;
-use sinew::simulation::{rates, step_graph};
+use sinew::simulation::{rates, step_program};
 use std::path::PathBuf;
 
 /// Output form.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 enum Format {
-    /// Tables: tasks, messages, critical path
+    /// The outline; then of each graph tables of tasks, messages, critical path
     Text,
     /// Graphviz
     Dot,
-    /// All that is known about tasks, edges and messages
+    /// The tree, and all that is known about tasks, edges, messages and what passes between graphs
     Json,
     /// A picture
     Svg,
@@ -28,9 +29,9 @@ enum Format {
     Html,
 }
 
-/// Print the task graph of a step of a scene
+/// Print the program of a step of a scene: its task graphs, in loops
 ///
-/// Tasks, what they read and write, the edges that follow from it, fused stages, what patches and ranks exchange, and the
+/// The tree of graphs and loops, and what passes between them; of each graph, tasks, what they read and write, the edges that follow from it, fused stages, what patches and ranks exchange, and the
 /// critical path. Bytes and messages are counted on the particles with which the scene begins.
 #[derive(clap::Args)]
 pub struct Args {
@@ -54,7 +55,8 @@ pub struct Args {
     /// Which line of the scene asked for this task? Who writes and reads this label? With A:B: why does A come before B?
     #[arg(long, value_name = "TASK|LABEL|A:B", conflicts_with_all = ["check", "trace"])]
     why: Option<String>,
-    /// Look for races, undeclared halos, idle labels and the like; exit status 1 if there are any
+    /// Look for races, undeclared halos, idle labels and the like, and for labels that a graph or the next round of a loop reads
+    /// and nobody has left; exit status 1 if there are any
     #[arg(long)]
     check: bool,
     /// Take times from the trace of a run: sinew run SCENE --trace writes it to RUN/trace.json
@@ -71,9 +73,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let wanted = if args.ranks > 1 { args.ranks.saturating_mul(PATCHES) } else { 1 };
     let plan = plan::plan(&scene, wanted, args.ranks).map_err(Failure::usage)?;
     let patches = plan.decomposition.patches.len();
-    let mut graph = step_graph(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
+    let mut program = step_program(&scene, patches).map_err(|error| Failure::Run(error.to_string()))?;
     if let Some(what) = &args.why {
-        return why(&scene, &graph, what);
+        return why(&scene, &program, what);
     }
     if args.check {
         return check(&scene, patches, &plan.decomposition);
@@ -83,11 +85,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let measured = args.trace.as_deref().map(trace::read).transpose().map_err(Failure::usage)?;
     if args.format == Format::Html {
         // the page is for people: they want the line
-        for entry in graph.recipe.entries.iter_mut().filter(|entry| !entry.because.is_empty()) {
+        let entries = program.graphs_mut().into_iter().flat_map(|graph| &mut graph.recipe.entries);
+        for entry in entries.filter(|entry| !entry.because.is_empty()) {
             entry.because = because(&scene, &entry.because);
         }
     }
-    show(args, &scene, &graph, &plan, measured.as_ref())
+    show(args, &scene, &program, &plan, measured.as_ref())
 }
 
 /// Refuses a patch or rank that does not exist.
@@ -103,75 +106,92 @@ fn outside(what: &str, wanted: Option<usize>, count: usize) -> Result<(), Failur
 fn show(
     args: &Args,
     scene: &Scene,
-    graph: &TaskGraph,
+    program: &Program,
     plan: &Plan,
     measured: Option<&Measured>,
 ) -> Result<(), Failure> {
     let cycle = rates::at_rest(scene);
-    let of = |expanded| diagram(args, graph, &cycle, plan, measured, expanded);
+    let of = |expanded| chart(args, program, &cycle, plan, measured, expanded);
     let expanded = args.expanded || args.patch.is_some() || args.rank.is_some();
-    let diagram = of(expanded);
+    let chart = of(expanded);
     match args.format {
-        Format::Text => print!("{}", diagram.to_text()),
-        Format::Dot => print!("{}", diagram.to_dot()),
-        Format::Json => println!("{:#}", diagram.to_json()),
-        Format::Svg => print!("{}", diagram.to_svg().map_err(Failure::usage)?),
+        Format::Text => print!("{}", chart.to_text()),
+        Format::Dot => print!("{}", chart.to_dot()),
+        Format::Json => println!("{:#}", chart.to_json()),
+        Format::Svg => print!("{}", chart.to_svg().map_err(Failure::usage)?),
         Format::Html => {
             let other = (plan.traffic.patches() > 1).then(|| of(!expanded));
             let title = format!("{}: a step", scene.title);
-            print!("{}", diagram.to_html(&title, other.as_ref()).map_err(Failure::usage)?);
+            print!("{}", chart.to_html(&title, other.as_ref()).map_err(Failure::usage)?);
         }
     }
     Ok(())
 }
 
-fn diagram<'a>(
+fn chart<'a>(
     args: &Args,
-    graph: &'a TaskGraph,
+    program: &'a Program,
     cycle: &'a Cycle,
     plan: &'a Plan,
     measured: Option<&'a Measured>,
     expanded: bool,
-) -> Diagram<'a> {
-    if !expanded {
-        return Diagram::collapsed(graph, cycle, &plan.traffic, measured);
+) -> Chart<'a> {
+    let mut chart = Chart::new(program, cycle, &plan.traffic, measured, expanded);
+    if let Some(patch) = args.patch.filter(|_| expanded) {
+        chart.keep(|item| item.patch == Some(patch));
     }
-    let mut diagram = Diagram::expanded(graph, cycle, &plan.traffic, measured);
-    if let Some(patch) = args.patch {
-        diagram.keep(|item| item.patch == Some(patch));
+    if let Some(rank) = args.rank.filter(|_| expanded) {
+        chart.keep(|item| item.rank == Some(rank) || item.to_rank == Some(rank));
     }
-    if let Some(rank) = args.rank {
-        diagram.keep(|item| item.rank == Some(rank) || item.to_rank == Some(rank));
-    }
-    diagram
+    chart
 }
 
 /// Answers `--check`.
 fn check(scene: &Scene, patches: usize, decomposition: &Decomposition) -> Result<(), Failure> {
-    let (graph, refusals) = plan::inspect(scene, patches);
+    let (program, refusals) = plan::inspect(scene, patches);
     let across = |patch: &Patch| patch.blocks.size().map(|blocks| blocks * BLOCK as usize);
     let narrowest = decomposition.patches.iter().flat_map(across).min().unwrap_or(0);
-    let hazards = hazards(&graph, narrowest, &plan::read_by_reports(scene));
-    refusals.iter().for_each(|refusal| println!("refused: {refusal}"));
-    hazards.iter().for_each(|hazard| println!("{hazard}"));
-    let tasks = graph.graph.node_count();
-    match refusals.len() + hazards.len() {
-        0 => {
-            let word = if patches == 1 { "patch" } else { "patches" };
-            println!("{tasks} tasks on {patches} {word}: no race, no undeclared halo, no idle label");
-            Ok(())
-        }
-        1 => Err(Failure::Run("one finding".to_owned())),
-        many => Err(Failure::Run(format!("{many} findings"))),
+    let reported = plan::read_by_reports(scene);
+    let graphs = program.graphs();
+    let mut findings: Vec<String> = refusals.iter().map(|refusal| format!("refused: {refusal}")).collect();
+    for graph in &graphs {
+        let place = if graphs.len() > 1 { format!("graph {}: ", graph.name) } else { String::new() };
+        let found = hazards(graph, narrowest, &reported);
+        findings.extend(found.iter().map(|hazard| format!("{place}{hazard}")));
     }
+    findings.extend(program::hazards(&program).iter().map(ToString::to_string));
+    findings.iter().for_each(|finding| println!("{finding}"));
+    match findings.len() {
+        0 => println!("{}", clean(&program, patches)),
+        1 => return Err(Failure::Run("one finding".to_owned())),
+        many => return Err(Failure::Run(format!("{many} findings"))),
+    }
+    Ok(())
+}
+
+/// What was looked at and found to be in order.
+fn clean(program: &Program, patches: usize) -> String {
+    let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
+    let tasks = program.graphs().iter().map(|graph| graph.graph.node_count()).sum();
+    format!(
+        "{} on {}: no race, no undeclared halo, no idle label\n{}, {}: each label that is read was left, by an earlier graph, the round before or the last step, and each loop computes what it waits for",
+        count(tasks, "task", "tasks"),
+        count(patches, "patch", "patches"),
+        count(program.graphs().len(), "graph", "graphs"),
+        count(program.loops().len(), "loop", "loops"),
+    )
 }
 
 /// Answers `--why`.
-fn why(scene: &Scene, graph: &TaskGraph, what: &str) -> Result<(), Failure> {
-    let lines = match what.split_once(':') {
+fn why(scene: &Scene, program: &Program, what: &str) -> Result<(), Failure> {
+    let of = |graph: &TaskGraph| match what.split_once(':') {
         Some((from, to)) => graph.why_edge(from.trim(), to.trim()),
         None => tasks(scene, graph, what).into_iter().chain(graph.why_label(what)).collect(),
     };
+    let graphs = program.graphs();
+    let head = |graph: &TaskGraph| (graphs.len() > 1).then(|| format!("in graph {}:", graph.name));
+    let answers = graphs.iter().map(|graph| (head(graph), of(graph))).filter(|(_, lines)| !lines.is_empty());
+    let lines: Vec<String> = answers.flat_map(|(head, lines)| head.into_iter().chain(lines)).collect();
     if lines.is_empty() {
         return Err(Failure::usage(match what.split_once(':') {
             Some((from, to)) => format!("nothing makes {from} come before {to} in this scene"),

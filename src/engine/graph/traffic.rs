@@ -178,7 +178,9 @@ impl Traffic {
         if !at_end.is_empty() {
             causes.push(("reduction at the end".to_owned(), self.reduce(at_end)));
         }
-        causes.push(("relocation".to_owned(), self.relocation()));
+        if graph.moves_particles() {
+            causes.push(("relocation".to_owned(), self.relocation()));
+        }
         causes
     }
 }

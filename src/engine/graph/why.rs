@@ -1,6 +1,7 @@
 //! Why something is in the graph: the line of the scene behind a task, who makes and reads a label, what an edge is for.
 use super::build::TaskGraph;
 use super::recipe::Node;
+use crate::schema::Life;
 use petgraph::algo::astar;
 use petgraph::stable_graph::NodeIndex;
 
@@ -29,7 +30,11 @@ impl TaskGraph {
             return lines;
         }
         let head = format!("{} [{}]: {}", label.name(), label.unit(), label.meaning());
-        let kept = self.carried.contains(&label).then(|| "  carried to the next step".to_owned());
+        let kept = match label.life() {
+            Life::Carried => "  carried to the next step",
+            _ => "  left by an earlier graph or round",
+        };
+        let kept = self.carried.contains(&label).then(|| kept.to_owned());
         std::iter::once(head).chain(lines).chain(kept).collect()
     }
 

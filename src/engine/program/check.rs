@@ -1,125 +1,214 @@
-//! Hazards between graphs and rounds: a label that is read before anybody has left it.
-use super::{Loop, Node, Program};
+//! Hazards between graphs and rounds: labels that are read where nobody has left them whole.
+use super::follow::{Course, Left, Read, follow};
+use super::{Loop, Program};
 use crate::graph::build::TaskGraph;
-use crate::graph::recipe::Why;
-use crate::graph::task::Mode;
-use crate::schema::{Home, LabelId, Life};
-use petgraph::Direction;
-use std::collections::BTreeSet;
+use crate::graph::phase::Stage;
+use crate::graph::task::{Domain, Mode};
+use crate::schema::{Crossing, Home, LabelId, Life};
 use std::fmt;
 
-/// A label that something reads and nothing has left.
+/// A task that reads a label which its graph has not written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Site {
+    /// The graph.
+    pub graph: String,
+    /// The task.
+    pub task: String,
+    /// The label.
+    pub label: LabelId,
+}
+
+/// What is wrong between graphs, or between the rounds of a loop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RoundHazard {
     /// No graph before, in this round or the one before, leaves it, and no step before carries it.
-    NotLeft {
-        /// The graph.
-        graph: String,
-        /// A task that reads it.
-        task: String,
-        /// The label.
-        label: LabelId,
+    NotLeft(Site),
+    /// In the first round nobody has left it; later ones find what a round leaves.
+    FirstRound {
+        /// Who reads what.
+        site: Site,
+        /// The graph of the round that leaves it.
+        from: String,
     },
-    /// An earlier graph leaves it, but it does not live so long.
+    /// An earlier graph, or the round before, writes it, but it does not live so long.
     ShortLived {
-        /// The graph.
-        graph: String,
-        /// A task that reads it.
-        task: String,
-        /// The label.
-        label: LabelId,
+        /// Who reads what.
+        site: Site,
+        /// The graph that writes it.
+        from: String,
     },
-    /// No round computes the label that ends the loop.
+    /// Particles add to it in an earlier graph, and no task over nodes reads it there: the parts are not added up.
+    NotSummed {
+        /// Who reads what.
+        site: Site,
+        /// The graph in which particles add to it.
+        from: String,
+    },
+    /// Nodes had it before particles went to other blocks: nodes that are new do not have it.
+    Moved {
+        /// Who reads what.
+        site: Site,
+        /// The graph that leaves it.
+        from: String,
+        /// The graph that moves particles.
+        by: String,
+    },
+    /// It is read with ghosts, and no exchange brings those that other patches have.
+    NotSent(Site),
+    /// No round computes the label that ends a loop.
     Endless {
         /// The label.
         label: LabelId,
+        /// The graphs of a round.
+        graphs: Vec<String>,
     },
+}
+
+impl fmt::Display for Site {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} of graph {} reads {}", self.task, self.graph, self.label.name())
+    }
 }
 
 impl fmt::Display for RoundHazard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotLeft { graph, task, label } => write!(
+            Self::NotLeft(site) => write!(
                 f,
-                "not left: {task} of graph {graph} reads {} before it is written, and neither an earlier graph, nor the round before, nor the last step leaves it: compute it before the loop or in it",
-                label.name()
+                "not left: {site}, which neither a task before it, nor an earlier graph, nor the last step leaves: compute it before, or let it be carried"
             ),
-            Self::ShortLived { graph, task, label } => write!(
+            Self::FirstRound { site, from } => write!(
                 f,
-                "short-lived: {task} of graph {graph} reads {} of an earlier graph, but it lives for a tick: let it live for a step",
-                label.name()
+                "first round: {site}, which graph {from} leaves for the next round, but nobody for the first: compute it before the loop, too"
             ),
-            Self::Endless { label } => {
-                write!(f, "endless: a loop waits for {}, which no task of a round computes", label.name())
-            }
+            Self::ShortLived { site, from } => write!(
+                f,
+                "short-lived: {site} of graph {from}, but it lives for a {}: let it live for a step",
+                span(site.label.life())
+            ),
+            Self::NotSummed { site, from } => write!(
+                f,
+                "not summed: {site}, to which particles add in graph {from}, where no task over nodes reads it: let one pass it on there"
+            ),
+            Self::Moved { site, from, by } => write!(
+                f,
+                "moved: {site} of graph {from}, but graph {by} moves particles in between, and nodes that they come to do not have it: compute it after that"
+            ),
+            Self::NotSent(site) => write!(
+                f,
+                "not sent: {site} with ghosts, but no exchange before it brings those of other patches: let it live for a step"
+            ),
+            Self::Endless { label, graphs } => write!(
+                f,
+                "endless: a loop waits for {}, which no task of a round computes (graphs {}): compute it there",
+                label.name(),
+                graphs.join(", ")
+            ),
         }
+    }
+}
+
+fn span(life: Life) -> &'static str {
+    match life {
+        Life::Chunk => "chunk",
+        Life::Stage => "stage",
+        Life::Tick => "graph",
+        Life::Step | Life::Carried => "step",
     }
 }
 
 /// All hazards between the graphs and rounds of a program.
 pub fn hazards(program: &Program) -> Vec<RoundHazard> {
+    let course = follow(program);
     let mut found = Vec::new();
-    follow(&program.nodes, &mut BTreeSet::new(), &mut found);
+    for read in &course.reads {
+        let hazard = hazard(&course, read);
+        found.extend(hazard.filter(|hazard| !found.contains(hazard)));
+    }
+    found.extend(program.loops().into_iter().filter_map(endless));
     found
 }
 
-/// Follows some parts; `left` are the labels that earlier parts leave.
-fn follow(nodes: &[Node], left: &mut BTreeSet<LabelId>, found: &mut Vec<RoundHazard>) {
-    for node in nodes {
-        match node {
-            Node::Graph(graph) => {
-                for (task, label) in reads_first(graph) {
-                    found.extend(hazard(graph, task, label, left));
-                }
-                left.extend(written(graph));
-            }
-            Node::Loop(it) => follow_loop(it, left, found),
+fn hazard(course: &Course<'_>, read: &Read) -> Option<RoundHazard> {
+    let (graph, label) = (course.graphs[read.graph], read.access.label);
+    if begins(graph, read) {
+        return None;
+    }
+    let name = |number: usize| course.graphs[number].name.to_owned();
+    let site = Site { graph: name(read.graph), task: graph.graph[read.task].name.clone(), label };
+    let Some(Left { graph: from, moved }) = read.from else {
+        return nobody(course, read, site);
+    };
+    match (label.life(), moved) {
+        (Life::Carried, _) => (!sent(graph, read)).then_some(RoundHazard::NotSent(site)),
+        (Life::Chunk | Life::Stage | Life::Tick, _) => {
+            Some(RoundHazard::ShortLived { site, from: name(from) })
         }
-    }
-}
-
-/// In its first round a loop has what came before, in the second also what the first has left: both are followed, and what is
-/// missing in the first is a hazard.
-fn follow_loop(it: &Loop, left: &mut BTreeSet<LabelId>, found: &mut Vec<RoundHazard>) {
-    let before = left.clone();
-    follow(&it.body, left, found);
-    let computed = left.contains(&it.until) && !before.contains(&it.until);
-    let mut graphs = Vec::new();
-    it.body.iter().for_each(|node| node.graphs(&mut graphs));
-    if !computed && !graphs.iter().any(|graph| written(graph).contains(&it.until)) {
-        found.push(RoundHazard::Endless { label: it.until });
-    }
-}
-
-fn hazard(graph: &TaskGraph, task: String, label: LabelId, left: &BTreeSet<LabelId>) -> Option<RoundHazard> {
-    let graph = graph.name.to_owned();
-    match (label.life(), left.contains(&label)) {
-        (Life::Carried, _) | (Life::Step, true) => None,
-        (Life::Step, false) => Some(RoundHazard::NotLeft { graph, task, label }),
-        (_, true) => Some(RoundHazard::ShortLived { graph, task, label }),
-        (_, false) => Some(RoundHazard::NotLeft { graph, task, label }),
-    }
-}
-
-/// Labels that tasks read before any task of the graph writes them, each with one such task.
-fn reads_first(graph: &TaskGraph) -> Vec<(String, LabelId)> {
-    let mut found: Vec<(String, LabelId)> = Vec::new();
-    for node in graph.graph.node_indices() {
-        for access in graph.graph[node].declaration.access {
-            let mut incoming = graph.graph.edges_directed(node, Direction::Incoming);
-            let fed = incoming.any(|e| e.weight().label == access.label && e.weight().why == Why::Flow);
-            // who begins a label by modifying it writes all of it
-            let reads = matches!(access.mode, Mode::RequiresOld | Mode::Requires);
-            let chunk = access.label.home() == Home::Chunk;
-            if reads && !fed && !chunk && !found.iter().any(|(_, label)| *label == access.label) {
-                found.push((graph.graph[node].name.clone(), access.label));
-            }
+        (Life::Step, Some(by)) => Some(RoundHazard::Moved { site, from: name(from), by: name(by) }),
+        (Life::Step, None) if !summed(course.graphs[from], label) => {
+            Some(RoundHazard::NotSummed { site, from: name(from) })
         }
+        (Life::Step, None) => (!sent(graph, read)).then_some(RoundHazard::NotSent(site)),
     }
-    found
 }
 
-fn written(graph: &TaskGraph) -> BTreeSet<LabelId> {
-    let access = graph.graph.node_weights().flat_map(|node| node.declaration.access);
-    access.filter(|a| a.mode.writes()).map(|a| a.label).collect()
+/// Where materials take steps of their own, tasks over nodes are told where one begins, and begin what they modify there.
+fn begins(graph: &TaskGraph, read: &Read) -> bool {
+    let nodes = graph.graph[read.task].declaration.domain == Domain::Nodes;
+    let modifies = nodes && read.access.label.home() == Home::Node && read.access.mode == Mode::Modifies;
+    modifies && graph.schema().roles.rates.is_some()
+}
+
+/// Nobody has left it in this step: what the last step carries is there; what only a later graph leaves is missing once.
+fn nobody(course: &Course<'_>, read: &Read, site: Site) -> Option<RoundHazard> {
+    if site.label.life() == Life::Carried {
+        return None;
+    }
+    let same =
+        |other: &&Read| (other.graph, other.task, other.access) == (read.graph, read.task, read.access);
+    let later = course.reads.iter().filter(same).find_map(|other| other.from);
+    let brief = || in_vain(course, read).filter(|_| site.label.life() < Life::Step);
+    match later.map(|left| left.graph).or_else(brief).map(|from| course.graphs[from].name.to_owned()) {
+        Some(from) if site.label.life() < Life::Step => Some(RoundHazard::ShortLived { site, from }),
+        Some(from) => Some(RoundHazard::FirstRound { site, from }),
+        None => Some(RoundHazard::NotLeft(site)),
+    }
+}
+
+/// Another graph whose recipe writes what a read wants: if it lives too short, nobody there reads it, and the task is pruned.
+fn in_vain(course: &Course<'_>, read: &Read) -> Option<usize> {
+    let writes = |number: &usize| {
+        let entries = &course.graphs[*number].recipe.entries;
+        let mut access = entries.iter().flat_map(|entry| entry.task.declaration().access);
+        *number != read.graph && access.any(|a| a.label == read.access.label && a.mode.writes())
+    };
+    let (before, after) = (0..read.graph, read.graph..course.graphs.len());
+    before.rev().chain(after.rev()).find(writes)
+}
+
+/// Whether the parts that particles add to a label are together when a graph is over.
+fn summed(graph: &TaskGraph, label: LabelId) -> bool {
+    let stages: Vec<&Stage> = graph.phases.iter().flat_map(|phase| &phase.stages).collect();
+    let adds = stages.iter().rposition(|stage| stage.adds.contains(&label));
+    let sums = stages.iter().rposition(|stage| stage.sums.contains(&label));
+    !label.is_partial() || adds.is_none_or(|adds| sums.is_some_and(|sums| sums > adds))
+}
+
+/// Whether the ghosts that a task reads of what an earlier graph left have been sent.
+fn sent(graph: &TaskGraph, read: &Read) -> bool {
+    let label = read.access.label;
+    let phase =
+        graph.phases.iter().position(|phase| phase.stages.iter().any(|s| s.nodes.contains(&read.task)));
+    let mut opening = graph.exchanges.iter().filter(|exchange| exchange.from.is_none());
+    read.access.ghost == 0
+        || !matches!(label.crossing(), Crossing::Values(_))
+        || opening
+            .any(|exchange| exchange.labels.contains(&label) && phase.is_some_and(|it| exchange.to <= it))
+}
+
+fn endless(it: &Loop) -> Option<RoundHazard> {
+    let graphs = it.graphs();
+    let names = || graphs.iter().map(|graph| graph.name.to_owned()).collect();
+    let computed = graphs.iter().any(|graph| graph.computes(it.until));
+    (!computed).then(|| RoundHazard::Endless { label: it.until, graphs: names() })
 }

@@ -2,9 +2,12 @@
 //! method is one, with the ticks of materials that take steps of their own as a loop; so are a Newton iteration around a
 //! Krylov iteration, and constraints between bodies that converge.
 mod check;
+mod follow;
 mod outline;
+mod pass;
 
-pub use check::{RoundHazard, hazards};
+pub use check::{RoundHazard, Site, hazards};
+pub use pass::{Pass, When, passes};
 
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
@@ -64,11 +67,27 @@ impl Program {
         outputs: &[LabelId],
         patches: usize,
     ) -> Result<Self, GraphError> {
+        let (program, refusals) = Self::inspect(name, script, outputs, patches);
+        match refusals.into_iter().next() {
+            Some(refusal) => Err(refusal),
+            None => Ok(program),
+        }
+    }
+
+    /// The program of a script with all that is to be refused in it. A program that is refused shows what is there; it must
+    /// not run.
+    pub fn inspect(
+        name: &str,
+        script: Vec<Script>,
+        outputs: &[LabelId],
+        patches: usize,
+    ) -> (Self, Vec<GraphError>) {
         let mut wanted: BTreeSet<LabelId> = outputs.iter().copied().collect();
         script.iter().for_each(|part| part.wants(&mut wanted));
         let wanted: Vec<LabelId> = wanted.into_iter().collect();
-        let nodes = script.into_iter().map(|part| part.build(&wanted, patches));
-        Ok(Self { name: name.to_owned(), nodes: nodes.collect::<Result<_, _>>()? })
+        let mut refusals = Vec::new();
+        let nodes = script.into_iter().map(|part| part.inspect(&wanted, patches, &mut refusals)).collect();
+        (Self { name: name.to_owned(), nodes }, refusals)
     }
 
     /// A program of one graph.
@@ -81,6 +100,20 @@ impl Program {
         let mut graphs = Vec::new();
         self.nodes.iter().for_each(|node| node.graphs(&mut graphs));
         graphs
+    }
+
+    /// All its graphs, in order, to change what is known of them.
+    pub fn graphs_mut(&mut self) -> Vec<&mut TaskGraph> {
+        let mut graphs = Vec::new();
+        self.nodes.iter_mut().for_each(|node| node.graphs_mut(&mut graphs));
+        graphs
+    }
+
+    /// All its loops, outer ones before those in them.
+    pub fn loops(&self) -> Vec<&Loop> {
+        let mut loops = Vec::new();
+        self.nodes.iter().for_each(|node| node.loops(&mut loops));
+        loops
     }
 
     /// The only graph of a program that has one.
@@ -128,20 +161,30 @@ impl Script {
         }
     }
 
-    fn build(self, wanted: &[LabelId], patches: usize) -> Result<Node, GraphError> {
+    fn inspect(self, wanted: &[LabelId], patches: usize, refusals: &mut Vec<GraphError>) -> Node {
         match self {
             Script::Graph(name, recipe) => {
-                let graph = TaskGraph::build(recipe, wanted, patches)?.named(name);
-                Ok(Node::Graph(Box::new(graph)))
+                let (graph, refused) = TaskGraph::inspect(recipe, wanted, patches);
+                refusals.extend(refused);
+                Node::Graph(Box::new(graph.named(name)))
             }
             Script::Loop { body, until, most } => {
                 if until.home() != Home::Run {
-                    return Err(GraphError::UntilWhat { label: until });
+                    refusals.push(GraphError::UntilWhat { label: until });
                 }
-                let body = body.into_iter().map(|part| part.build(wanted, patches));
-                Ok(Node::Loop(Loop { body: body.collect::<Result<_, _>>()?, until, most }))
+                let body = body.into_iter().map(|part| part.inspect(wanted, patches, refusals)).collect();
+                Node::Loop(Loop { body, until, most })
             }
         }
+    }
+}
+
+impl Loop {
+    /// The graphs of a round, in order.
+    pub fn graphs(&self) -> Vec<&TaskGraph> {
+        let mut graphs = Vec::new();
+        self.body.iter().for_each(|node| node.graphs(&mut graphs));
+        graphs
     }
 }
 
@@ -150,6 +193,19 @@ impl Node {
         match self {
             Node::Graph(graph) => graphs.push(graph),
             Node::Loop(it) => it.body.iter().for_each(|node| node.graphs(graphs)),
+        }
+    }
+    fn graphs_mut<'a>(&'a mut self, graphs: &mut Vec<&'a mut TaskGraph>) {
+        match self {
+            Node::Graph(graph) => graphs.push(graph),
+            Node::Loop(it) => it.body.iter_mut().for_each(|node| node.graphs_mut(graphs)),
+        }
+    }
+
+    fn loops<'a>(&'a self, loops: &mut Vec<&'a Loop>) {
+        if let Node::Loop(it) = self {
+            loops.push(it);
+            it.body.iter().for_each(|node| node.loops(loops));
         }
     }
 }

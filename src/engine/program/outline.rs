@@ -25,7 +25,10 @@ fn lines(nodes: &[Node], depth: usize, f: &mut fmt::Formatter<'_>) -> fmt::Resul
     for node in nodes {
         write!(f, "{:indent$}", "", indent = 2 * depth)?;
         match node {
-            Node::Graph(graph) => writeln!(f, "graph {}: {} tasks", graph.name, graph.graph.node_count())?,
+            Node::Graph(graph) => {
+                let tasks = graph.graph.node_count();
+                writeln!(f, "graph {}: {tasks} task{}", graph.name, if tasks == 1 { "" } else { "s" })?;
+            }
             Node::Loop(it) => {
                 writeln!(f, "{}", it.title())?;
                 lines(&it.body, depth + 1, f)?;

@@ -1,5 +1,5 @@
 //! Makes diagrams: columns from phases and exchanges, items in them, and links from the edges of the graph.
-use super::{Diagram, Group, Item, Kind, Lane, Link};
+use super::{Diagram, Group, Item, Kind, Lane, Link, Runs};
 use crate::output::trace::measured::Measured;
 use crate::simulation::rates::Cycle;
 use engine::graph::build::TaskGraph;
@@ -43,6 +43,8 @@ impl<'a> Diagram<'a> {
             traffic,
             measured,
             expanded,
+            runs: Runs::Alone,
+            prefix: String::new(),
             columns: Vec::new(),
             lanes: Vec::new(),
             groups: Vec::new(),
@@ -87,9 +89,8 @@ impl Builder<'_> {
                 std::iter::once(lane(format!("rank {rank}"), Some(rank))).chain(patches)
             });
             ranks.collect()
-        } else if let Some(most) = cycle.most {
-            let times = if most == 1 { "once".to_owned() } else { format!("repeated, at most {most} times") };
-            vec![lane(format!("tick: {times}"), None), lane(String::new(), None)]
+        } else if cycle.most.is_some() {
+            vec![lane("in every tick".to_owned(), None), lane(String::new(), None)]
         } else {
             vec![lane(String::new(), None)]
         };
@@ -120,7 +121,9 @@ impl Builder<'_> {
         if !graph.at_end.is_empty() {
             self.exchange(Kind::Reduction(None), &graph.at_end);
         }
-        self.exchange(Kind::Relocation, &[]);
+        if graph.moves_particles() {
+            self.exchange(Kind::Relocation, &[]);
+        }
     }
 
     /// A column of exchanges.

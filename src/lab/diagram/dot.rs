@@ -1,30 +1,26 @@
-//! Graphviz.
+//! A graph for Graphviz.
 use super::{Diagram, Group, Item, Kind, Link, bytes, time};
 use engine::graph::recipe::Why;
 use std::fmt::Write;
 
 impl Diagram<'_> {
-    /// Graphviz, one cluster a fused stage: solid edges carry data, dashed ones protect what is still read; the critical
-    /// path is bold. If materials take steps of their own, a cluster of the tick holds all but what waits.
-    pub fn to_dot(&self) -> String {
-        let mut out =
-            String::from("digraph step {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans-serif\"];\n");
+    /// A cluster a fused stage. If materials take steps of their own, a cluster of the tick holds all but what waits.
+    pub(super) fn dot_groups(&self, out: &mut String) {
         match self.cycle.most {
             Some(_) if !self.expanded => {
-                out.push_str(
-                    "  subgraph cluster_step { label=\"step: until all materials are together again\";\n",
-                );
-                let _ = writeln!(out, "  subgraph cluster_tick {{ label={:?};", self.lanes[0].title);
-                self.dot_lane(Some(0), &mut out);
+                let (prefix, title) = (&self.prefix, &self.lanes[0].title);
+                let _ = writeln!(out, "  subgraph cluster_{prefix}tick {{ label={title:?};");
+                self.dot_lane(Some(0), out);
                 out.push_str("  }\n");
-                self.dot_lane(Some(1), &mut out);
-                out.push_str("  }\n");
+                self.dot_lane(Some(1), out);
             }
-            _ => self.dot_lane(None, &mut out),
+            _ => self.dot_lane(None, out),
         }
-        self.links.iter().for_each(|link| self.dot_link(link, &mut out));
-        out.push_str("}\n");
-        out
+    }
+
+    /// The links.
+    pub(super) fn dot_links(&self, out: &mut String) {
+        self.links.iter().for_each(|link| self.dot_link(link, out));
     }
 
     /// The groups of a lane, or of all.
@@ -45,7 +41,7 @@ impl Diagram<'_> {
             _ => String::new(),
         };
         let title = format!("{}{place}", group.title);
-        let _ = writeln!(out, "  subgraph cluster_{number} {{ label={title:?};");
+        let _ = writeln!(out, "  subgraph cluster_{}{number} {{ label={title:?};", self.prefix);
         group.items.iter().for_each(|&at| self.dot_item(&self.items[at], "    ", out));
         out.push_str("  }\n");
     }

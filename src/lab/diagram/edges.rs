@@ -37,7 +37,29 @@ impl Builder<'_> {
                 self.direct(from, to, &weight);
             }
         }
+        self.openings();
         self.ends();
+    }
+
+    /// Links from halos that bring what earlier graphs have left.
+    fn openings(&mut self) {
+        let graph = self.diagram.graph;
+        for exchange in graph.exchanges.iter().filter(|exchange| exchange.from.is_none()) {
+            let nodes = graph.phases[exchange.to].stages.iter().flat_map(|stage| &stage.nodes);
+            for (&node, &label) in nodes.flat_map(|node| exchange.labels.iter().map(move |it| (node, it))) {
+                let mut access = graph.graph[node].declaration.access.iter();
+                let Some(access) = access.find(|a| a.label == label && a.mode.reads()) else { continue };
+                let ghost = access.ghost;
+                let materials = match graph.graph[node].material {
+                    Some(material) => material..material + 1,
+                    None => 0..graph.recipe.materials.len(),
+                };
+                for material in materials {
+                    let edge = Edge { label, material, why: Why::Flow, ghost };
+                    self.out_of_halo(node, exchange.to, &edge);
+                }
+            }
+        }
     }
 
     /// Links to what happens at the end of a tick.
@@ -100,8 +122,8 @@ impl Builder<'_> {
             for (&(_, source), &(_, target)) in sources.iter().zip(&targets) {
                 self.link(source, Some(target), edge, stays);
                 self.link(source, halo, edge, travels);
-                halo.into_iter().for_each(|halo| self.link(halo, Some(target), edge, travels));
             }
+            self.out_of_halo(to, phase, edge);
             return;
         }
         let halo = |a: usize, b: usize| (Kind::Halo(phase), (None, Some(a), Some(b)));
@@ -121,7 +143,24 @@ impl Builder<'_> {
                 }
             }
         }
-        for &((patch, rank, _), target) in &targets {
+        self.out_of_halo(to, phase, edge);
+    }
+
+    /// Node data of other ranks: from halos to those who read them.
+    fn out_of_halo(&mut self, to: NodeIndex, phase: usize, edge: &Edge) {
+        let traffic = self.diagram.traffic;
+        let (labels, material) = ([edge.label], Some(edge.material));
+        if !self.diagram.expanded {
+            let travels = traffic.total_bytes(&labels, material, true);
+            if let Some(halo) = self.seat(Kind::Halo(phase), (None, None, None)) {
+                for (_, target) in self.places(to) {
+                    self.link(halo, Some(target), edge, travels);
+                }
+            }
+            return;
+        }
+        let halo = |a: usize, b: usize| (Kind::Halo(phase), (None, Some(a), Some(b)));
+        for ((patch, rank, _), target) in self.places(to) {
             let (Some(q), Some(rank)) = (patch, rank) else { continue };
             for rank_from in (0..traffic.ranks).filter(|&r| r != rank) {
                 let patches = self.diagram.patches_of(rank_from);

@@ -16,19 +16,13 @@ pub struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// One line a task, stage by stage; inside of the tick, if materials take steps of their own.
+    /// One line a task, stage by stage.
     pub fn to_text(&self) -> String {
         let Self { graph, cycle } = self;
         let mut out = String::new();
-        let indent = if let Some(most) = cycle.most {
-            let _ = writeln!(out, "step: until all materials are together again");
-            let _ = writeln!(out, "  {}", self.estimate());
-            let times = if most == 1 { "once".to_owned() } else { format!("repeated, at most {most} times") };
-            let _ = writeln!(out, "  tick: {times}");
-            "    "
-        } else {
-            ""
-        };
+        if cycle.most.is_some() {
+            let _ = writeln!(out, "{}", self.estimate());
+        }
         for (number, phase) in graph.phases.iter().enumerate() {
             for stage in &phase.stages {
                 let material =
@@ -43,19 +37,16 @@ impl Shown<'_> {
                     (_, Domain::Once) => format!(" {}", when(stage)),
                     _ => format!(": {}", when(stage)),
                 };
-                let _ = writeln!(out, "{indent}phase {number}: {how}{material}{when}");
+                let _ = writeln!(out, "phase {number}: {how}{material}{when}");
                 for &node in &stage.nodes {
                     let declaration = &graph.graph[node].declaration;
                     let near =
                         if declaration.domain == Domain::NearParticles { " (near others)" } else { "" };
                     let (reads, writes) = describe(declaration.access);
-                    let _ = writeln!(out, "{indent}  {:<20}{reads} -> {writes}{near}", declaration.name);
+                    let _ = writeln!(out, "  {:<20}{reads} -> {writes}{near}", declaration.name);
                 }
             }
         }
-        let carried: Vec<&str> = graph.carried.iter().map(|l| l.name()).collect();
-        let next = if cycle.most.is_some() { "tick" } else { "step" };
-        let _ = writeln!(out, "carried to the next {next}: {}", carried.join(", "));
         let pruned = if graph.pruned.is_empty() { "nothing".to_owned() } else { graph.pruned.join(", ") };
         let _ = writeln!(out, "pruned: {pruned}");
         out

@@ -7,6 +7,7 @@ impl Diagram<'_> {
     /// Tasks and edges as [`super::export::Shown::to_json`] has them, with all that the diagram adds.
     pub fn to_json(&self) -> Value {
         let mut json = self.shown().to_json();
+        json["name"] = json!(self.graph.name);
         json["form"] = json!(if self.expanded { "expanded" } else { "collapsed" });
         json["ranks"] = json!(self.traffic.ranks);
         json["rank_of_patch"] = json!(self.traffic.rank_of);
@@ -24,7 +25,7 @@ impl Diagram<'_> {
         json["messages"] = self.json_messages();
         let path: Vec<&str> = self.path.iter().map(|&at| self.items[at].id.as_str()).collect();
         let how = if self.measured.is_some() { "measured where the trace has it" } else { ESTIMATE };
-        json["critical_path"] = json!({ "items": path, "ns": self.path_ns, "costs": how });
+        json["critical_path"] = json!({ "items": path, "ns": self.path_ns, "of": self.span(), "costs": how });
         if let Some(measured) = self.measured {
             json["measured"] = json!({
                 "steps": measured.steps, "ms_a_step": 1e-6 * measured.per_step(measured.span_ns),

@@ -169,7 +169,7 @@ impl Planner<'_, '_> {
             self.out.lanes.push(Rect { x: 0.0, y, w: 0.0, h: height + margin });
             y += height + margin;
         }
-        self.out.height = y + 34.0 + PITCH * order;
+        self.out.height = y + 16.0 + PITCH * order;
         self.out.items = vec![Rect::default(); diagram.items.len()];
         self.out.groups = vec![Rect::default(); diagram.groups.len()];
         let titled = |lane: usize| if diagram.lanes[lane].title.is_empty() { 0.0 } else { TITLE };
@@ -315,7 +315,7 @@ impl Planner<'_, '_> {
     /// The tracks of nets that pass whole columns: data above, order below.
     fn tracks(&self) -> BTreeMap<Line, f64> {
         let mut tracks = BTreeMap::new();
-        let (mut above, mut below) = (38.0, self.out.height - 24.0);
+        let (mut above, mut below) = (38.0, self.out.height - 8.0);
         for &(from, to, why) in self.bundles.keys().rev() {
             if self.column(to) > self.column(from) + 1 {
                 tracks.entry((from, why)).or_insert_with(|| {

@@ -1,18 +1,19 @@
 //! The graph as it is shown: tasks and exchanges as items in columns, with what passes between them. Collapsed, a task is
 //! one item; expanded, it is one a patch, and exchanges are one a rank or pair of ranks.
 mod build;
+mod chart;
 mod cost;
 mod critical;
 mod dot;
 mod edges;
 pub mod export;
-mod html;
 mod json;
 mod layout;
 mod select;
 mod svg;
 mod text;
 
+pub use chart::Chart;
 pub use cost::ESTIMATE;
 pub use select::MOST_DRAWN;
 
@@ -36,6 +37,17 @@ pub enum Kind {
     Reduction(Option<usize>),
     /// Particles that go to other blocks.
     Relocation,
+}
+
+/// How a step runs a graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Runs {
+    /// Once, and nothing else.
+    Alone,
+    /// Once, among others.
+    Once,
+    /// In the rounds of a loop.
+    Rounds,
 }
 
 /// A node of the diagram.
@@ -65,7 +77,7 @@ pub struct Item {
     pub work: u64,
     /// Messages that it stands for, all ranks together.
     pub messages: Messages,
-    /// What it takes in a step, measured or estimated [ns].
+    /// What it takes, measured in a step or estimated for one round [ns].
     pub cost: f64,
     /// Idle time of workers beside it in a step [ns], if measured.
     pub idle: Option<f64>,
@@ -132,6 +144,10 @@ pub struct Diagram<'a> {
     pub measured: Option<&'a Measured>,
     /// Whether a task is one item a patch.
     pub expanded: bool,
+    /// How a step runs the graph.
+    pub runs: Runs,
+    /// What ids begin with.
+    pub prefix: String,
     /// Titles of the columns.
     pub columns: Vec<String>,
     /// The lanes.
@@ -152,6 +168,16 @@ impl Diagram<'_> {
     /// The graph alone.
     fn shown(&self) -> Shown<'_> {
         Shown { graph: self.graph, cycle: self.cycle }
+    }
+
+    /// What times of items and of the critical path are about.
+    pub fn span(&self) -> &'static str {
+        match (self.runs, self.measured) {
+            (Runs::Alone, _) => "a step",
+            (Runs::Once, _) => "its run in a step",
+            (Runs::Rounds, None) => "one round",
+            (Runs::Rounds, Some(_)) => "a step, all its rounds together",
+        }
     }
 
     /// The items of a kind.

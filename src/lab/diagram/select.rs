@@ -29,16 +29,22 @@ impl Diagram<'_> {
         }
     }
 
-    /// Refuses a picture of more items than anyone can look at.
-    ///
-    /// # Errors
-    /// Too many items; the message says what to do.
-    pub fn drawable(&self) -> Result<(), String> {
-        match self.items.len() {
-            many if many > MOST_DRAWN => Err(format!(
-                "a picture of {many} items shows nothing (at most {MOST_DRAWN}): give fewer --patches, show a part with --patch P or --rank R, or write --format json or dot"
-            )),
-            _ => Ok(()),
-        }
+    /// Lets ids begin with `prefix`, so that they are unique among the graphs of a program.
+    pub(super) fn rename(&mut self, prefix: &str) {
+        self.items.iter_mut().for_each(|item| item.id = format!("{prefix}{}", item.id));
+        self.prefix = prefix.to_owned();
+    }
+}
+
+/// Refuses a picture of more items than anyone can look at.
+///
+/// # Errors
+/// Too many items; the message says what to do.
+pub(super) fn drawable(items: usize) -> Result<(), String> {
+    match items {
+        many if many > MOST_DRAWN => Err(format!(
+            "a picture of {many} items shows nothing (at most {MOST_DRAWN}): give fewer --patches, show a part with --patch P or --rank R, or write --format json or dot"
+        )),
+        _ => Ok(()),
     }
 }

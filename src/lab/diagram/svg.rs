@@ -1,5 +1,5 @@
 //! Draws a diagram.
-use super::layout::{Layout, Rect, Route, TEXT, layout};
+use super::layout::{Layout, Rect, Route, TEXT};
 use super::{Diagram, Kind, Link, bytes, json::word, time};
 use engine::graph::recipe::Why;
 use std::fmt::Write;
@@ -19,40 +19,27 @@ const SHARED: (&str, &str) = ("#f2f2f2", "#555555");
 const CRITICAL: &str = "#c0392b";
 
 /// How it looks, without what depends on materials.
-const STYLE: &str = "text{font-family:sans-serif;font-size:12px;fill:#222}.small{font-size:10px;fill:#555}\
+pub(super) const STYLE: &str = "text{font-family:sans-serif;font-size:12px;fill:#222}.small{font-size:10px;fill:#555}\
 .label{font-size:9.5px;fill:#333}.lane{fill:none;stroke:#999;\
 stroke-dasharray:6 4}.band{fill:#fafafa;stroke:#ccc}.stage{fill:#fff;stroke-width:1.2}.item rect,.item path{stroke-width:1}\
 .link path{fill:none;stroke-width:1.2}.link.war path,.link.waw path{stroke-dasharray:4 3;opacity:.55}\
 .link.waw path{stroke-dasharray:1 3}.critical rect,.critical path{stroke-width:2.6;stroke:#c0392b}\
-.link.critical path{opacity:1}";
+.link.critical path{opacity:1}.caption{font-weight:bold;fill:#3b5b8c}.loop rect{fill:none;stroke:#3b5b8c;stroke-width:1.6}\
+.graph rect{fill:none;stroke:#999}.pass path{fill:none;stroke:#3b5b8c;stroke-width:1.2}.pass.again path{stroke-dasharray:5 3}\
+.pass text{fill:#3b5b8c}";
 
-/// What lines mean.
-const LEGEND: &str = "solid: data; dashed: overwrites what was read; dotted: overwrites what was written; red: critical path; \
-numbers: time of a step; @n: layers of ghosts";
+/// What lines mean, and numbers, which are about `span`.
+pub(super) fn legend(span: &str) -> String {
+    format!(
+        "solid: data; dashed: overwrites what was read; dotted: overwrites what was written; red: critical path; numbers: time \
+of {span}; @n: layers of ghosts; blue: from graph to graph; blue, dashed: to the next round"
+    )
+}
 
 impl Diagram<'_> {
-    /// A picture, as a file of its own.
-    ///
-    /// # Errors
-    /// More items than a picture can show.
-    pub fn to_svg(&self) -> Result<String, String> {
-        self.drawable()?;
-        let picture = self.draw("");
-        Ok(format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{picture}\n"))
-    }
-
-    /// The picture; ids in it begin with `prefix`.
-    pub(super) fn draw(&self, prefix: &str) -> String {
-        let layout = layout(self);
-        let (w, h) = (layout.width.ceil(), layout.height.ceil());
-        let mut out = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\">\n\
-<style>{STYLE}</style>\n<defs><marker id=\"{prefix}tip\" viewBox=\"0 0 8 8\" refX=\"7.5\" refY=\"4\" markerWidth=\"7\" \
-markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0.5 8 4 0 7.5z\" fill=\"#555\"/></marker></defs>\n\
-<rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n"
-        );
-        let _ = writeln!(out, "<text class=\"small\" x=\"20\" y=\"{:.1}\">{LEGEND}</text>", h - 4.0);
-        self.draw_lanes(&layout, &mut out);
+    /// Draws the graph; ids begin with `prefix`, and its links are numbered from `first` on.
+    pub(super) fn draw(&self, layout: &Layout, prefix: &str, first: usize, out: &mut String) {
+        self.draw_lanes(layout, out);
         for (column, x) in self.columns.iter().zip(&layout.columns) {
             let _ = writeln!(out, "<text class=\"small\" x=\"{x:.1}\" y=\"16\">{}</text>", escape(column));
         }
@@ -67,28 +54,13 @@ markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0
                     writeln!(out, "<text class=\"small\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escape(line));
             }
         }
-        layout.routes.iter().for_each(|route| self.draw_route(route, prefix, &mut out));
-        (0..self.items.len()).for_each(|at| self.draw_item(at, &layout, prefix, &mut out));
-        out.push_str("</svg>");
-        out
+        layout.routes.iter().for_each(|route| self.draw_route(route, prefix, first, out));
+        (0..self.items.len()).for_each(|at| self.draw_item(at, layout, prefix, out));
     }
 
-    /// The tick in the step, or the patches of ranks.
+    /// What every tick has, or the patches of ranks.
     fn draw_lanes(&self, layout: &Layout, out: &mut String) {
         let shown = self.lanes.iter().zip(&layout.lanes).filter(|(_, rect)| rect.h > 0.0);
-        if !self.expanded && self.cycle.most.is_some() {
-            let all = layout.lanes.iter().map(|rect| rect.h).sum::<f64>();
-            let Some(first) = layout.lanes.first() else { return };
-            let step = Rect { x: first.x - 4.0, y: first.y - 20.0, w: first.w + 8.0, h: all + 26.0 };
-            let title = "step: until all materials are together again";
-            let _ = writeln!(out, "<rect class=\"lane\" {} rx=\"8\"/>", attributes(&step));
-            let _ = writeln!(
-                out,
-                "<text class=\"small\" x=\"{}\" y=\"{:.1}\">{title}</text>",
-                step.x + 8.0,
-                step.y + 13.0
-            );
-        }
         for (lane, rect) in shown.filter(|(lane, _)| !lane.title.is_empty()) {
             let class = if self.expanded { "band" } else { "lane" };
             let _ = writeln!(out, "<rect class=\"{class}\" {}/>", attributes(rect));
@@ -157,7 +129,7 @@ markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0
         tip
     }
 
-    fn draw_route(&self, route: &Route, prefix: &str, out: &mut String) {
+    fn draw_route(&self, route: &Route, prefix: &str, number: usize, out: &mut String) {
         let links = || route.links.iter().map(|&at| &self.links[at]);
         let Some(first) = links().next() else { return };
         let critical = links().any(|link| link.critical);
@@ -170,7 +142,7 @@ markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0
         if critical {
             stroke = CRITICAL;
         }
-        let numbers: Vec<String> = route.links.iter().map(ToString::to_string).collect();
+        let numbers: Vec<String> = route.links.iter().map(|at| (number + at).to_string()).collect();
         let tips: Vec<String> = links().map(|link| self.describe(link)).collect();
         let (from, to) = (&self.items[first.from], &self.items[first.to]);
         let _ = writeln!(
@@ -222,18 +194,23 @@ fn color(material: Option<usize>) -> (&'static str, &'static str) {
     material.map_or(SHARED, |m| MATERIALS[m % MATERIALS.len()])
 }
 
-fn attributes(rect: &Rect) -> String {
+pub(super) fn attributes(rect: &Rect) -> String {
     let Rect { x, y, w, h } = rect;
     format!("x=\"{x:.1}\" y=\"{y:.1}\" width=\"{w:.1}\" height=\"{h:.1}\"")
 }
 
-/// A path with slightly rounded corners, or an arc.
+/// The way of a route: straight, or an arc.
 fn way(route: &Route) -> String {
     let points = &route.points;
     if let ([(x0, y0), (x1, y1)], true) = (&points[..], route.bulge > 0.0) {
         let b = route.bulge;
         return format!("M{x0:.1} {y0:.1}C{:.1} {y0:.1} {:.1} {y1:.1} {x1:.1} {y1:.1}", x0 + b, x1 + b);
     }
+    corners(points)
+}
+
+/// A path with slightly rounded corners.
+pub(super) fn corners(points: &[(f64, f64)]) -> String {
     let mut way = String::new();
     for (number, &(x, y)) in points.iter().enumerate() {
         let corner = points.get(number + 1).filter(|_| number > 0);

@@ -1,19 +1,17 @@
 //! What a diagram adds to the table of tasks: items, messages and the critical path, for people.
-use super::{Diagram, Kind, bytes, cost::ESTIMATE, time};
+use super::{Diagram, Kind, Runs, bytes, cost::ESTIMATE, time};
 use engine::graph::traffic::Messages;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 impl Diagram<'_> {
-    /// The table of tasks (collapsed) or all items (expanded); then messages, critical path and measured times.
-    pub fn to_text(&self) -> String {
-        let mut out = if self.expanded { self.list() } else { self.shown().to_text() };
-        out.push('\n');
-        out + &self.report()
+    /// The table of tasks (collapsed) or all items (expanded).
+    pub(super) fn table(&self) -> String {
+        if self.expanded { self.list() } else { self.shown().to_text() }
     }
 
     /// Messages, critical path and measured times.
-    pub(super) fn report(&self) -> String {
+    pub fn report(&self) -> String {
         let mut out = String::new();
         self.messages(&mut out);
         self.critical(&mut out);
@@ -66,7 +64,11 @@ impl Diagram<'_> {
 
     /// Messages of a step by what they are about, then by pair of ranks.
     fn messages(&self, out: &mut String) {
-        let per = if self.cycle.most.is_some() { "tick in which all materials act" } else { "step" };
+        let per = match (self.cycle.most, self.runs) {
+            (Some(_), _) => "tick in which all materials act",
+            (None, Runs::Rounds) => "round",
+            (None, _) => "step",
+        };
         let (ranks, patches) = (self.traffic.ranks, self.traffic.patches());
         let word = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
         let _ = writeln!(
@@ -80,6 +82,10 @@ impl Diagram<'_> {
             return;
         }
         let causes = self.traffic.by_cause(self.graph);
+        if causes.is_empty() {
+            let _ = writeln!(out, "  none: it needs nothing of other ranks");
+            return;
+        }
         let mut all: BTreeMap<(usize, usize), Messages> = BTreeMap::new();
         for (cause, pairs) in &causes {
             let mut sum = Messages::default();
@@ -110,7 +116,7 @@ impl Diagram<'_> {
         } else {
             ESTIMATE
         };
-        let _ = writeln!(out, "critical path: {} ({how})", time(self.path_ns));
+        let _ = writeln!(out, "critical path of {}: {} ({how})", self.span(), time(self.path_ns));
         for &at in &self.path {
             let item = &self.items[at];
             let mark = if item.measured || self.measured.is_none() { "" } else { " (estimated)" };
