@@ -55,7 +55,7 @@ impl TaskGraph {
         let (pruned, carried) = prune::prune(&mut graph, outputs);
         let (mut phases, escapes) = fuse::fuse(&graph, &recipe, patches);
         refusals.extend(escapes);
-        let (exchanges, mut at_end) = exchange::derive(&mut phases);
+        let (exchanges, mut at_end) = exchange::derive(recipe.schema, &mut phases);
         // what nobody reads need not come together: a label that this recipe fills in vain
         at_end.retain(|label| carried.contains(label) || outputs.contains(label));
         let waves = fuse::waves(&phases);
