@@ -32,7 +32,7 @@ kernel! { /// The largest is what all agree on, and one more.
 }
 
 /// Two particles of two materials, at one node beside the other patch.
-fn start() -> Start {
+pub fn start() -> Start {
     let particle =
         |material| Particle { material, x: [4.0; 3], velocity: [0.0; 3], charge: 0.25, whole: 1.0 };
     Start {
@@ -44,7 +44,7 @@ fn start() -> Start {
     }
 }
 
-fn program() -> Program {
+pub fn program() -> Program {
     let recipe = || Recipe::new(&SCHEMA, vec!["a".to_owned(), "b".to_owned()]);
     let (mut both, mut one) = (recipe(), recipe());
     both.add(0, "", add_one::AddOne());

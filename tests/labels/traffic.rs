@@ -1,4 +1,5 @@
 //! Counts of what ranks send are what they send; and the bytes of a label stand in the dump of its graph.
+use crate::again;
 use crate::layouts::{cases, layout, random};
 use crate::run::{Layout, level, warehouse};
 use crate::state::{Particle, Start, start};
@@ -51,9 +52,13 @@ fn toy(start: &Start, layout: &Layout) -> Program {
 }
 
 /// What all ranks send in each graph of the first step, by what it is about.
-fn sent(start: &Start, layout: &Layout) -> Vec<BTreeMap<Channel, Pairs>> {
+fn sent(
+    start: &Start,
+    layout: &Layout,
+    program: impl Fn() -> Program + Sync,
+) -> Vec<BTreeMap<Channel, Pairs>> {
     let work = |rank: Local| {
-        let (program, from) = (toy(start, layout), rank.rank());
+        let (program, from) = (program(), rank.rank());
         let mut network = Counting { rank, sent: BTreeMap::new() };
         let mut warehouse = warehouse(start, layout, &program, from);
         let mut engine = Engine::new(Serial, Isa::detect(), &warehouse);
@@ -105,18 +110,31 @@ fn expected(graph: &TaskGraph, traffic: &Traffic) -> BTreeMap<Channel, Pairs> {
     all
 }
 
+#[track_caller]
+fn counted_as_sent(start: &Start, layout: &Layout, program: impl Fn() -> Program + Sync) {
+    let traffic = counted(start, layout);
+    for (graph, sent) in program().graphs().into_iter().zip(sent(start, layout, &program)) {
+        assert_eq!(sent, expected(graph, &traffic), "graph {}, {layout:?}", graph.name);
+    }
+}
+
 #[test]
 fn what_is_counted_is_what_is_sent() {
     cases(24, (start(), 2..=4usize, random()), |(start, ranks, random)| {
         let layout = layout(&start, ranks, 1, &random);
-        if layout.ranks == 1 {
-            return;
-        }
-        let traffic = counted(&start, &layout);
-        for (graph, sent) in toy(&start, &layout).graphs().into_iter().zip(sent(&start, &layout)) {
-            assert_eq!(sent, expected(graph, &traffic), "graph {}, {layout:?}", graph.name);
+        if layout.ranks > 1 {
+            counted_as_sent(&start, &layout, || toy(&start, &layout));
         }
     });
+}
+
+#[test]
+fn who_does_not_add_sends_nothing() {
+    let of = [vec![0, 1], vec![0, 1]];
+    let layout = Layout { patches: [2, 1, 1], ranks: 2, of, moves: 0, threads: 1 };
+    let mut start = again::start();
+    start.particles.iter_mut().for_each(|p| p.x[0] = 3.5);
+    counted_as_sent(&start, &layout, again::program);
 }
 
 /// One particle at 3.5 on a line of two patches, which are on two ranks. It may touch the nodes 3 to 5; 4 and 5 are those of the
@@ -139,7 +157,7 @@ const LINE: u64 = 64;
 #[test]
 fn bytes_are_lines_of_the_label_times_nodes() {
     let (start, layout) = one();
-    let (program, sent) = (toy(&start, &layout), sent(&start, &layout));
+    let (program, sent) = (toy(&start, &layout), sent(&start, &layout, || toy(&start, &layout)));
     let bytes = |graph: usize, label: LabelId, pair| {
         let exchanges = (0..).zip(&program.graphs()[graph].exchanges);
         let about = exchanges.filter(|(_, exchange)| exchange.labels.contains(&label));
