@@ -1,7 +1,7 @@
 //! The same bits as a plain sum, on any patches, threads and ranks, whoever has which patch when.
 use crate::reference::Reference;
 use crate::run::{Layout, level, run};
-use crate::state::{Start, same, start};
+use crate::state::{Particle, Start, same, start};
 use crate::toy::program;
 use engine::program::hazards;
 use proptest::prelude::*;
@@ -62,6 +62,33 @@ fn any_patches_threads_and_ranks_give_the_same_bits() {
         let layout = layout(&start, ranks, threads, &random);
         same(&format!("{layout:?}"), &run(&start, &layout, STEPS), &expected(&start, STEPS));
     });
+}
+
+/// A particle jumps to a block that others are in, and back: in between nobody is around the nodes where it was.
+#[test]
+fn nodes_that_all_have_left_forget() {
+    let particle = |x, velocity| Particle {
+        material: 0,
+        x: [x, 0.0, 0.0],
+        velocity: [velocity, 0.0, 0.0],
+        charge: 0.75,
+        whole: 1.0,
+    };
+    let start = Start {
+        cells: [13, 0, 0],
+        fields: vec![1],
+        memory: vec![0],
+        interacts: vec![vec![false]],
+        particles: vec![particle(1.25, -9.0), particle(10.5, 0.0)],
+    };
+    let two =
+        Layout { patches: [3, 1, 1], ranks: 2, of: [vec![0, 1, 0], vec![1, 0, 1]], moves: 1, threads: 1 };
+    let still = Layout { moves: 0, ..two.clone() };
+    for layout in [Layout::alone(), two, still] {
+        for steps in 1..=4 {
+            same(&format!("{layout:?}"), &run(&start, &layout, steps), &expected(&start, steps));
+        }
+    }
 }
 
 #[test]

@@ -157,6 +157,7 @@ const LINE: u64 = 64;
 #[test]
 fn bytes_are_lines_of_the_label_times_nodes() {
     let (start, layout) = one();
+    counted_as_sent(&start, &layout, || toy(&start, &layout));
     let (program, sent) = (toy(&start, &layout), sent(&start, &layout, || toy(&start, &layout)));
     let bytes = |graph: usize, label: LabelId, pair| {
         let exchanges = (0..).zip(&program.graphs()[graph].exchanges);
