@@ -70,25 +70,25 @@ impl Warehouse {
     }
 
     /// Node blocks: wherever a material's occupied block, or a neighbor of one, lies. Of other ranks, those that particles
-    /// here read.
+    /// here read, with all their fields: which labels are there depends on how many there are.
     fn activate_nodes(&mut self, reach: IndexBox) {
         let Self { decomposition, partition, fields, node_layout, particles, nodes, .. } = self;
-        let mut touched = Map::new(reach, FieldSet::words(fields.len()), 0u64);
-        let of = |material: usize| fields.of(material);
-        mark(&mut touched, particles, of, |patch| partition.is_mine(patch));
-        for patch in (0..nodes.len()).filter(|&patch| !partition.is_mine(patch)) {
-            renew(
-                &mut nodes[patch],
-                decomposition.patches[patch].blocks.common(&reach),
-                &touched,
-                node_layout,
-            );
-        }
-        mark(&mut touched, particles, of, |patch| !partition.is_mine(patch));
+        let map = || Map::new(reach, FieldSet::words(fields.len()), 0u64);
+        let (mut touched, of) = (map(), |material: usize| fields.of(material));
+        mark(&mut touched, particles, of, |_| true);
         for patch in partition.mine() {
             let blocks = decomposition.patches[patch].blocks;
-            renew(&mut nodes[patch], blocks, &touched, node_layout);
+            renew(&mut nodes[patch], blocks, [&touched; 2], node_layout);
             nodes[patch].settle(blocks);
+        }
+        if partition.ranks == 1 {
+            return;
+        }
+        let mut read = map();
+        mark(&mut read, particles, of, |patch| partition.is_mine(patch));
+        for patch in (0..nodes.len()).filter(|&patch| !partition.is_mine(patch)) {
+            let blocks = decomposition.patches[patch].blocks.common(&reach);
+            renew(&mut nodes[patch], blocks, [&read, &touched], node_layout);
         }
     }
 
@@ -194,13 +194,14 @@ fn mark(
     }
 }
 
-/// Makes node blocks where `touched` says so; one that stays as it was keeps its memory.
-fn renew(nodes: &mut NodePatch, blocks: IndexBox, touched: &Map<u64>, layout: &NodeLayout) {
+/// Makes node blocks where something is `wanted`, of the fields that touch them; one that stays as it was keeps its memory.
+fn renew(nodes: &mut NodePatch, blocks: IndexBox, [wanted, touched]: [&Map<u64>; 2], layout: &NodeLayout) {
     let fields = |set: &FieldSet<'_>| set.iter().collect::<Vec<FieldId>>();
     // both lists are in x-major order
     let mut old = std::mem::take(&mut nodes.blocks).into_iter().peekable();
-    let all = blocks.iter().map(|index| (index, FieldSet(touched.get(touched.at(index)))));
-    for (index, set) in all.filter(|(_, set)| !set.is_empty()) {
+    let all = blocks.iter().map(|index| (index, touched.at(index)));
+    for (index, at) in all.filter(|(_, at)| !FieldSet(wanted.get(*at)).is_empty()) {
+        let set = FieldSet(touched.get(at));
         while old.next_if(|block| block.index < index).is_some() {}
         nodes.blocks.push(match old.next_if(|block| block.index == index) {
             Some(block) if set.is(&block.present) => block,

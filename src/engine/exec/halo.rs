@@ -249,7 +249,7 @@ pub fn back(q: usize) -> [i32; 3] {
     [-x, -y, -z]
 }
 
-/// Fills a block's buffer with the values of the nodes around.
+/// Fills a block's buffer with the values of the nodes around; with zeros where they are not there.
 pub struct LoadRegion<'a> {
     /// With what.
     pub from: ValuesAround<'a>,
@@ -265,9 +265,10 @@ impl Job for LoadRegion<'_> {
         (0..AHEAD).for_each(|q| from.announce(q));
         for q in 0..27 {
             from.announce(q + AHEAD);
-            let Some(values) = from.values(q) else { continue };
+            let values = from.values(q);
             pencils(from.shape, back(q), from.touched, |own, here| {
                 let (own, here) = (lines(own, from.width), lines(here, from.width));
+                let Some(values) = values else { return region[here].fill(Wide::default()) };
                 for (to, from) in region[here].iter_mut().zip(&values[own]) {
                     S::load(from).store(to);
                 }

@@ -39,7 +39,7 @@ pub struct Relocation {
     left: Vec<Traveler>,
     /// Travelers to ranks out of sight.
     far: Vec<u64>,
-    /// Whether a block somewhere becomes occupied.
+    /// Whether a block somewhere becomes occupied; or is left by all, where nodes keep something around it.
     news: bool,
     /// Particles here, of the materials that moved.
     pub particles: u64,
@@ -109,6 +109,7 @@ impl Relocation {
     /// Those that leave their blocks here for others, and for nowhere.
     fn depart(warehouse: &Warehouse, moved: &impl Fn(usize) -> bool) -> (Self, Vec<Traveler>, Vec<Traveler>) {
         let (mut relocation, mut travelers, mut lost) = (Self::default(), Vec::new(), Vec::new());
+        let keeps = warehouse.node_layout.carried().next().is_some();
         for patch in warehouse.partition.mine() {
             let homes = warehouse.particles[patch].iter().enumerate();
             for (material, home) in homes.filter(|(material, _)| moved(*material)) {
@@ -124,6 +125,7 @@ impl Relocation {
                                     false => travelers.push(traveler),
                                 }
                             });
+                        relocation.news |= keeps && positions.len() == block.count;
                         if !positions.is_empty() {
                             relocation.leaving.push(([patch, material, at], positions));
                         }
@@ -182,7 +184,7 @@ impl Relocation {
         trace.record(0, began, Event::reduction(None));
         messages.iter().for_each(|message| self.take_in(warehouse, unpack(message), counters));
         let known = |t: &Traveler| warehouse.is_occupied(t.material, t.position);
-        counters[NEWS] = u64::from(!self.arriving.iter().all(known));
+        counters[NEWS] = u64::from(self.news || !self.arriving.iter().all(known));
         counters[LEFT] = self.left.len() as u64;
         counters[REFLECTED] = self.reflected;
         Ok(())

@@ -118,7 +118,8 @@ pub fn sweep<const METERED: bool>(
     laps.end(&mut scratch.tally);
 }
 
-/// Buffers for what the stage adds to nodes, with nothing in them yet; those that nobody needs any more are put back.
+/// Buffers for what the stage adds to nodes, with nothing in them but what stages before have added to the same sums; those
+/// that nobody needs any more are put back.
 fn ready_buffers(context: &Context<'_>, stage: &Stage, fields: usize, block: &mut ParticleBlock) {
     let Context { node_layout: layout, buffers, shape, .. } = context;
     if !stage.adds.is_empty() {
@@ -130,6 +131,8 @@ fn ready_buffers(context: &Context<'_>, stage: &Stage, fields: usize, block: &mu
             let width = label.width();
             if partial.is_empty() {
                 *partial = buffers.take(layout.buffer * width * fields);
+            } else if !stage.begins.contains(&label) {
+                continue;
             }
             let (nothing, touched) = (reduction::nothing(label.combine()), &block.touched);
             context.isa.dispatch(Clear { buffers: partial, width, nothing, shape, touched });
@@ -147,7 +150,9 @@ fn load_regions(
     block: &ParticleBlock,
     columns: &mut [&mut [Wide]],
 ) {
-    let Some(material) = stage.material else { return };
+    let Some(material) = stage.material.filter(|_| !stage.reads.is_empty()) else { return };
+    // they may have moved since they were added to nodes
+    let touched = &extent::touched(&block.extent, context.level, block.index);
     for &label in &stage.reads {
         let Some(place) = context.node_layout.stored_place(label) else { continue };
         let length = context.node_layout.buffer * label.width();
@@ -155,13 +160,13 @@ fn load_regions(
         let regions = columns[label.index()].chunks_exact_mut(length);
         for (field, region) in fields.zip(regions) {
             let (width, shape, around) = (label.width(), &context.shape, &block.around);
-            let from = ValuesAround { place, field, width, shape, nodes, around, touched: &block.touched };
+            let from = ValuesAround { place, field, width, shape, nodes, around, touched };
             context.isa.dispatch(LoadRegion { from, region });
         }
     }
 }
 
-/// Runs a node stage on one block, unless no particle touches its nodes; returns whether it did.
+/// Runs a node stage on one block, unless no particle touches its nodes and they keep nothing; returns whether it did.
 pub fn update_nodes<const METERED: bool>(
     context: &Context<'_>,
     stage: &Stage,
@@ -178,7 +183,7 @@ pub fn update_nodes<const METERED: bool>(
         let field = field - context.fields.of(material).start;
         Around { place, material, field, width, shape, particles, around: &split.around[slot] }
     };
-    if !(0..present.len()).any(|slot| around(slot, 0, 0).is_something()) {
+    if !stage.everywhere && !(0..present.len()).any(|slot| around(slot, 0, 0).is_something()) {
         return false;
     }
     let (mut laps, part) =
@@ -196,6 +201,10 @@ pub fn update_nodes<const METERED: bool>(
         let lines = if is_there(label, present.len()) { length * present.len() } else { 0 };
         if stage.sums.contains(&label) {
             for (slot, sums) in column[..lines].chunks_exact_mut(length).enumerate() {
+                if !stage.givers.contains(&(label, context.fields.material(present[slot]))) {
+                    reduction::clear(label.combine(), sums);
+                    continue;
+                }
                 let from = around(slot, place, label.width());
                 context.isa.dispatch(SumPartials { from, combine: label.combine(), sums });
             }

@@ -21,6 +21,7 @@ use crate::data::shared::Shared;
 use crate::data::warehouse::Warehouse;
 use crate::graph::build::TaskGraph;
 use crate::graph::phase::Stage;
+use crate::graph::task::Mode;
 use crate::schema::{Combine, LabelId};
 use grid::Partition;
 use simd::Isa;
@@ -362,7 +363,8 @@ fn once_for_all<const METERED: bool>(
     scratch: &mut Scratch,
     rank: usize,
 ) {
-    let sums = stage.touched.iter().filter(|a| a.mode.writes() && a.label.combine() != Combine::None);
+    let sums =
+        stage.touched.iter().filter(|a| a.mode == Mode::Computes && a.label.combine() != Combine::None);
     let before: Vec<_> = match rank {
         0 => Vec::new(),
         _ => sums.map(|a| (a.label, shared.column(a.label).to_vec())).collect(),

@@ -2,7 +2,7 @@
 use super::halo::{back, overlap};
 use super::ranks::occupied::beside;
 use crate::data::extent;
-use crate::data::nodes::NOWHERE;
+use crate::data::nodes::{NOWHERE, is_there};
 use crate::data::particles::ParticleBlock;
 use crate::data::warehouse::Warehouse;
 use crate::graph::traffic::{Lines, Traffic};
@@ -30,8 +30,9 @@ pub fn count(warehouse: &Warehouse, partition: &Partition) -> Traffic {
         blocks: by_material(&|_| 1),
         of_material: of_material(warehouse),
         nodes: nodes(warehouse),
-        between: between(warehouse, |patch| patch),
-        to_rank: between(warehouse, |patch| rank_of[patch]),
+        between: between(warehouse, |patch| patch, false),
+        to_rank: between(warehouse, |patch| rank_of[patch], false),
+        whole: between(warehouse, |patch| rank_of[patch], true),
         adders: adders(warehouse, &rank_of),
         neighbors: neighbors(&warehouse.decomposition, &rank_of, partition.ranks),
         reduction: reduction(partition.ranks),
@@ -62,8 +63,13 @@ fn nodes(warehouse: &Warehouse) -> Vec<Vec<u64>> {
     warehouse.nodes.iter().map(of).collect()
 }
 
-/// Lines from each patch to each receiver, where patch p belongs to receiver `part(p)`.
-fn between(warehouse: &Warehouse, part: impl Fn(usize) -> usize) -> BTreeMap<(usize, usize), Lines> {
+/// Lines from each patch to each receiver, where patch p belongs to receiver `part(p)`; if `whole`, of all nodes that
+/// particles may touch.
+fn between(
+    warehouse: &Warehouse,
+    part: impl Fn(usize) -> usize,
+    whole: bool,
+) -> BTreeMap<(usize, usize), Lines> {
     let mut all: BTreeMap<(usize, usize), Lines> = BTreeMap::new();
     let mut add = |from, to, label, material, lines: usize| {
         *all.entry((from, to)).or_default().entry((label, material)).or_default() += lines as u64;
@@ -84,7 +90,10 @@ fn between(warehouse: &Warehouse, part: impl Fn(usize) -> usize) -> BTreeMap<(us
         for (material, block) in
             homes.iter().enumerate().flat_map(|(m, home)| home.blocks.iter().map(move |b| (m, b)))
         {
-            let touched = extent::touched(&block.extent, &warehouse.level, block.index);
+            let touched = match whole {
+                true => IndexBox { lower: [0; 3], upper: shape.buffer },
+                false => extent::touched(&block.extent, &warehouse.level, block.index),
+            };
             for (q, &place) in block.around.iter().enumerate().filter(|(_, place)| **place != NOWHERE) {
                 let Some((nodes, _)) = overlap(&shape, back(q), &touched) else { continue };
                 let to = part(place.0 as usize);
@@ -96,8 +105,9 @@ fn between(warehouse: &Warehouse, part: impl Fn(usize) -> usize) -> BTreeMap<(us
             }
         }
     }
-    for (((patch, _), material, to), nodes) in read {
-        for label in labels(false) {
+    for (((patch, at), material, to), nodes) in read {
+        let present = warehouse.nodes[patch as usize].blocks[at as usize].present.len();
+        for label in labels(false).filter(|label| is_there(*label, present)) {
             add(patch as usize, to, label, material, nodes.len() * label.width() * fields(material));
         }
     }

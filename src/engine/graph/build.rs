@@ -6,7 +6,8 @@ use super::phase::Phase;
 use super::prune;
 use super::recipe::{Edge, Graph, Node, Recipe, Why, everywhere};
 use super::task::{Access, Mode};
-use crate::schema::{Combine, Home, LabelId, Schema};
+use super::usage;
+use crate::schema::{Combine, Home, LabelId, Life, Schema};
 use petgraph::stable_graph::NodeIndex;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -55,9 +56,13 @@ impl TaskGraph {
         let (pruned, carried) = prune::prune(&mut graph, outputs);
         let (mut phases, escapes) = fuse::fuse(&graph, &recipe, patches);
         refusals.extend(escapes);
-        let (exchanges, mut at_end) = exchange::derive(&mut phases);
-        // what nobody reads need not come together: a label that this recipe fills in vain
-        at_end.retain(|label| carried.contains(label) || outputs.contains(label));
+        let (exchanges, mut at_end) = exchange::derive(recipe.schema, &mut phases);
+        // what nobody reads, and no checkpoint, need not come together: a label that this recipe fills in vain
+        at_end.retain(|label| {
+            carried.contains(label) || outputs.contains(label) || label.life() == Life::Carried
+        });
+        refusals.extend(usage::escapes(&graph, &phases, patches));
+        refusals.extend(usage::never_summed(&graph, &phases));
         let waves = fuse::waves(&phases);
         let outputs = outputs.to_vec();
         (
@@ -130,6 +135,7 @@ fn derive(recipe: &Recipe, patches: usize) -> (Graph, Vec<GraphError>) {
         let node = derivation.graph.add_node(node);
         for access in declaration.access.iter().filter(|a| a.mode != Mode::Scratch) {
             refusals.extend(derivation.check_ghost(node, access).err());
+            refusals.extend(usage::check(&derivation.graph[node], access).err());
             refusals.extend(derivation.add_access(node, access).err());
         }
     }

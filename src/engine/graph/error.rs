@@ -62,6 +62,48 @@ pub enum GraphError {
         /// Where.
         patches: String,
     },
+    /// A task uses a label in a way for which there is no data where it runs.
+    #[error("{task} {what} {}: {remedy}", label.name())]
+    Misuse {
+        /// The task.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// What it does, without the label.
+        what: &'static str,
+        /// What to do instead.
+        remedy: &'static str,
+    },
+    /// A task over particles that names no ghosts of a label of nodes.
+    #[error("{task} runs over particles and declares {} without ghosts, but particles reach nodes of other blocks: declare it with @ 1 to @ {most}, as far as they reach", label.name())]
+    NoGhosts {
+        /// The task.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// Layers that are stored.
+        most: u8,
+    },
+    /// A label that lives for a stage is changed in one, and read in another.
+    #[error("{task} requires {} on {patches} as {writer} left it, but it lives only in the stage of {writer}: let it live for a tick, or list nothing between them that needs all blocks", label.name())]
+    StageLabelEscapes {
+        /// The task that requires it.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// Who changed it.
+        writer: String,
+        /// Where.
+        patches: String,
+    },
+    /// Partial sums that are to outlive their graph, and that nobody adds up in it.
+    #[error("{task} adds to {}, which no task over nodes reads after it in the same graph, so that the parts never come together: read it there", label.name())]
+    NeverSummed {
+        /// The task that adds.
+        task: String,
+        /// The label.
+        label: LabelId,
+    },
     /// A loop waits for a label that is not the same everywhere.
     #[error("a loop waits for {}, which is no label of the run: let a task that runs once compute one", label.name())]
     UntilWhat {

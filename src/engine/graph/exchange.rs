@@ -1,7 +1,7 @@
 //! What ranks and patches exchange: derived from declarations and rows, like the edges.
 use super::phase::Phase;
 use super::task::{Access, Domain, Mode};
-use crate::schema::{Combine, Home, LabelId, Life};
+use crate::schema::{Combine, Home, LabelId, Life, Schema};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// One message to each neighboring rank: what a phase is the last to write, for a phase that reads it.
@@ -13,9 +13,17 @@ pub struct Exchange {
     pub to: usize,
     /// What travels.
     pub way: Way,
-    /// Of which labels.
+    /// Of which labels, at most [`MOST_LABELS`].
     pub labels: Vec<LabelId>,
+    /// Of partial sums: label and material of who adds them.
+    pub givers: BTreeSet<(LabelId, usize)>,
+    /// Of values: whether those of all nodes travel that particles may touch, because the readers have not added to nodes in
+    /// this graph, or have moved since, so that nobody knows which nodes they touch.
+    pub whole: bool,
 }
+
+/// The most labels of an exchange: messages have a bit for each.
+pub const MOST_LABELS: usize = 64;
 
 /// What travels in an exchange, and in which direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -26,11 +34,12 @@ pub enum Way {
     Values,
 }
 
-/// Fills in what each phase sends and receives, which partial sums stages add up and release, and which reductions phases
-/// need complete; returns the exchanges, and the labels whose reductions are complete only at the end.
-pub fn derive(phases: &mut [Phase]) -> (Vec<Exchange>, Vec<LabelId>) {
-    let exchanges = exchanges(phases);
+/// Fills in what each phase sends and receives, which partial sums stages begin, add up and release, and which reductions
+/// phases need complete; returns the exchanges, and the labels whose reductions are complete only at the end.
+pub fn derive(schema: &Schema, phases: &mut [Phase]) -> (Vec<Exchange>, Vec<LabelId>) {
+    let exchanges = exchanges(schema, phases);
     partial_sums(phases);
+    begin_sums(phases);
     (exchanges, reductions(phases))
 }
 
@@ -39,12 +48,12 @@ fn of_nodes(phase: &Phase) -> impl Iterator<Item = (Domain, &Access)> {
     all.filter(|(_, a)| a.label.home() == Home::Node)
 }
 
-fn exchanges(phases: &mut [Phase]) -> Vec<Exchange> {
+fn exchanges(schema: &Schema, phases: &mut [Phase]) -> Vec<Exchange> {
     let mut exchanges: Vec<Exchange> = Vec::new();
     let mut spread = BTreeMap::new();
     // who has written a label last, if it has not been sent since
     let mut writer: BTreeMap<LabelId, usize> = BTreeMap::new();
-    let mut known = BTreeSet::new();
+    let (mut known, mut touched) = (BTreeSet::new(), Touched::default());
     for number in 0..phases.len() {
         let reads = of_nodes(&phases[number]).filter(|(_, a)| a.mode.reads());
         let across =
@@ -58,10 +67,19 @@ fn exchanges(phases: &mut [Phase]) -> Vec<Exchange> {
                 None => None,
             };
             known.insert(label);
-            let same = |e: &&mut Exchange| (e.from, e.to, e.way) == (from, number, way);
-            match exchanges.iter_mut().find(same) {
+            let fits = |e: &&mut Exchange| {
+                (e.from, e.to, e.way) == (from, number, way) && e.labels.len() < MOST_LABELS
+            };
+            match exchanges.iter_mut().find(fits) {
                 Some(exchange) => exchange.labels.push(label),
-                None => exchanges.push(Exchange { from, to: number, way, labels: vec![label] }),
+                None => {
+                    let whole = way == Way::Values && !touched.is_known(&phases[number], from);
+                    let (labels, givers) = (vec![label], BTreeSet::new());
+                    exchanges.push(Exchange { from, to: number, way, labels, givers, whole });
+                }
+            }
+            if way == Way::Partials {
+                touched.tell(from, number);
             }
         }
         for (_, access) in of_nodes(&phases[number]).filter(|(_, a)| a.mode.writes()) {
@@ -70,15 +88,59 @@ fn exchanges(phases: &mut [Phase]) -> Vec<Exchange> {
             }
             writer.insert(access.label, number);
         }
+        touched.note(schema, &phases[number], number);
         phases[number].halos = halos.into_iter().collect();
     }
-    for (number, exchange) in exchanges.iter().enumerate() {
+    for (number, exchange) in exchanges.iter_mut().enumerate() {
         phases[exchange.to].receives.push(number);
         if let Some(from) = exchange.from {
             phases[from].sends.push(number);
+            let stages = phases[..=from].iter().flat_map(|phase| &phase.stages);
+            let adds = stages.flat_map(|stage| stage.adds.iter().filter_map(|&l| Some((l, stage.material?))));
+            exchange.givers = adds.filter(|(label, _)| exchange.labels.contains(label)).collect();
         }
     }
     exchanges
+}
+
+/// Of which materials other ranks know which nodes they touch: partial sums say it.
+#[derive(Default)]
+struct Touched {
+    /// Materials that have added to nodes and not moved since, and the first phase in which they did.
+    added: BTreeMap<usize, usize>,
+    /// Those whose partial sums have come to other ranks, and the phase for which.
+    told: BTreeMap<usize, usize>,
+}
+
+impl Touched {
+    /// Partial sums are sent after phase `from`, for phase `to`.
+    fn tell(&mut self, from: Option<usize>, to: usize) {
+        let before = self.added.iter().filter(|(_, first)| from.is_some_and(|from| **first <= from));
+        before.for_each(|(&material, _)| {
+            self.told.entry(material).or_insert(to);
+        });
+    }
+
+    /// Notes what a phase does.
+    fn note(&mut self, schema: &Schema, phase: &Phase, number: usize) {
+        for stage in &phase.stages {
+            let Some(material) = stage.material else { continue };
+            if !stage.adds.is_empty() {
+                self.added.entry(material).or_insert(number);
+            }
+            if stage.touches(schema.roles.extent, Mode::writes) {
+                self.added.remove(&material);
+                self.told.remove(&material);
+            }
+        }
+    }
+
+    /// Whether those who send after phase `from` know which nodes the readers of a phase touch.
+    fn is_known(&self, phase: &Phase, from: Option<usize>) -> bool {
+        let readers = phase.stages.iter().filter(|stage| !stage.reads.is_empty());
+        let mut materials = readers.filter_map(|stage| stage.material);
+        from.is_some_and(|from| materials.all(|m| self.told.get(&m).is_some_and(|&to| to <= from)))
+    }
 }
 
 /// Partial sums that live for a stage are added up wherever they are read, others by the first stage after they were
@@ -86,6 +148,7 @@ fn exchanges(phases: &mut [Phase]) -> Vec<Exchange> {
 fn partial_sums(phases: &mut [Phase]) {
     let mut fresh = BTreeSet::new();
     let mut last_use: BTreeMap<LabelId, usize> = BTreeMap::new();
+    let mut given: BTreeSet<(LabelId, usize)> = BTreeSet::new();
     for (number, phase) in phases.iter_mut().enumerate() {
         for stage in &mut phase.stages {
             let partial = stage.touched.iter().filter(|a| a.label.is_partial());
@@ -94,10 +157,13 @@ fn partial_sums(phases: &mut [Phase]) {
                     let read = partial.filter(|a| a.mode.reads()).map(|a| a.label);
                     let sums = read.filter(|label| label.life() == Life::Stage || fresh.remove(label));
                     stage.sums = sums.collect();
+                    let summed = given.iter().filter(|(label, _)| stage.sums.contains(label));
+                    stage.givers = summed.copied().collect();
                     last_use.extend(stage.sums.iter().map(|&label| (label, number)));
                 }
                 _ => {
                     fresh.extend(stage.adds.iter().copied());
+                    given.extend(stage.adds.iter().filter_map(|&label| Some((label, stage.material?))));
                     last_use.extend(stage.adds.iter().map(|&label| (label, number)));
                 }
             }
@@ -107,6 +173,18 @@ fn partial_sums(phases: &mut [Phase]) {
         for stage in phase.stages.iter_mut().filter(|stage| stage.domain == Domain::Particles) {
             let over = last_use.iter().filter(|(_, last)| **last < number);
             stage.releases = over.map(|(&label, _)| label).collect();
+        }
+    }
+}
+
+/// The first stage of a material that adds to a label, since it was added up last, begins its sum; others go on with it.
+fn begin_sums(phases: &mut [Phase]) {
+    let mut open: BTreeSet<(LabelId, usize)> = BTreeSet::new();
+    for stage in phases.iter_mut().flat_map(|phase| &mut phase.stages) {
+        open.retain(|(label, _)| !stage.sums.contains(label));
+        if let Some(material) = stage.material {
+            stage.begins =
+                stage.adds.iter().copied().filter(|&label| open.insert((label, material))).collect();
         }
     }
 }

@@ -9,4 +9,5 @@ pub mod prune;
 pub mod recipe;
 pub mod task;
 pub mod traffic;
+mod usage;
 pub mod why;

@@ -1,6 +1,6 @@
 //! What runs: stages of fused tasks, and phases of stages that may run at the same time.
 use super::task::{Access, Domain, Mode};
-use crate::schema::{Combine, Home, LabelId, Schema};
+use crate::schema::{Combine, Home, LabelId, Life, Schema};
 use petgraph::stable_graph::NodeIndex;
 use std::collections::BTreeSet;
 
@@ -21,12 +21,18 @@ pub struct Stage {
     pub when: When,
     /// Labels of nodes that particles add to.
     pub adds: Vec<LabelId>,
+    /// Those of them to which no stage of the material has added since they were added up last.
+    pub begins: Vec<LabelId>,
     /// Labels of nodes that particles read.
     pub reads: Vec<LabelId>,
     /// Labels of nodes whose partial sums a stage over nodes adds up.
     pub sums: Vec<LabelId>,
+    /// Who has added to them in this graph: label and material. Of others there is nothing.
+    pub givers: BTreeSet<(LabelId, usize)>,
     /// Labels of nodes to which particles added before, and whose partial sums nobody needs any more.
     pub releases: Vec<LabelId>,
+    /// Whether it is over nodes and touches what they keep from step to step: it runs also where no particle touches them.
+    pub everywhere: bool,
 }
 
 /// When in the step of a material a stage runs.
@@ -42,8 +48,23 @@ impl Stage {
     /// A stage without tasks.
     pub(super) fn new(domain: Domain, material: Option<usize>) -> Self {
         let (entries, nodes, touched, when) = (Vec::new(), Vec::new(), Vec::new(), When::End);
-        let [adds, reads, sums, releases] = [const { Vec::new() }; 4];
-        Self { domain, material, entries, nodes, touched, when, adds, reads, sums, releases }
+        let [adds, begins, reads, sums, releases] = [const { Vec::new() }; 5];
+        let (givers, everywhere) = (BTreeSet::new(), false);
+        Self {
+            domain,
+            material,
+            entries,
+            nodes,
+            touched,
+            when,
+            adds,
+            begins,
+            reads,
+            sums,
+            givers,
+            releases,
+            everywhere,
+        }
     }
 
     /// Fills in what particles add to and read of nodes.
@@ -54,6 +75,8 @@ impl Stage {
             mine.map(|a| a.label).collect()
         };
         (self.adds, self.reads) = (labels(Mode::writes), labels(Mode::reads));
+        let keeps = |a: &Access| a.label.home() == Home::Node && a.label.life() == Life::Carried;
+        self.everywhere = self.domain == Domain::Nodes && self.touched.iter().any(keeps);
     }
 
     /// Whether some task of the stage touches `label` in a way that `test` accepts.

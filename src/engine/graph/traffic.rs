@@ -32,6 +32,8 @@ pub struct Traffic {
     pub between: BTreeMap<(usize, usize), Lines>,
     /// From a patch to a rank. What several patches of a rank read travels once.
     pub to_rank: BTreeMap<(usize, usize), Lines>,
+    /// The same of values, if those of all nodes travel that particles may touch.
+    pub whole: BTreeMap<(usize, usize), Lines>,
     /// For each patch and rank, the particle blocks of the patch that add to nodes of the rank: each has a line in a
     /// message that says which nodes it touches.
     pub adders: BTreeMap<(usize, usize), u64>,
@@ -105,7 +107,14 @@ impl Traffic {
 
     /// What leaves patches for other ranks: patch, rank and lines.
     pub fn traveling(&self) -> impl Iterator<Item = (usize, usize, &Lines)> {
-        let lines = self.to_rank.iter().map(|(&(patch, rank), lines)| (patch, rank, lines));
+        self.leaving(&self.to_rank)
+    }
+
+    fn leaving<'a>(
+        &self,
+        lines: &'a BTreeMap<(usize, usize), Lines>,
+    ) -> impl Iterator<Item = (usize, usize, &'a Lines)> {
+        let lines = lines.iter().map(|(&(patch, rank), lines)| (patch, rank, lines));
         lines.filter(|&(patch, rank, _)| self.rank_of[patch] != rank)
     }
 
@@ -122,9 +131,14 @@ impl Traffic {
             let messages = pairs.entry(pair).or_default();
             (messages.count, messages.bytes) = (1, messages.bytes + LINE * lines);
         }
-        for (patch, to, lines) in self.traveling() {
+        let travels = |key: &(LabelId, usize)| match exchange.way {
+            Way::Partials => exchange.givers.contains(key),
+            Way::Values => exchange.labels.contains(&key.0),
+        };
+        for (patch, to, lines) in self.leaving(if exchange.whole { &self.whole } else { &self.to_rank }) {
             if let Some(messages) = pairs.get_mut(&(self.rank_of[patch], to)) {
-                messages.bytes += LINE * select(lines, &exchange.labels, None);
+                let lines = lines.iter().filter(|(key, _)| travels(key)).map(|(_, lines)| lines).sum::<u64>();
+                messages.bytes += LINE * lines;
             }
         }
         pairs

@@ -152,9 +152,12 @@ fn parts(warehouse: &Warehouse, give: &mut dyn FnMut(Part)) {
         for block in nodes(warehouse, FieldId::new(field)) {
             let row = BlockRow { index: block.index, count: layout.nodes as u32, extent: [0.0; 6] };
             parts.add(row, |at, column| {
-                let lines = carried(warehouse).nth(at);
-                let lines = lines.and_then(|label| block.lines(layout, label, FieldId::new(field)));
-                column.extend(lines.unwrap_or_default().iter().flat_map(|line| line.0));
+                let Some(label) = carried(warehouse).nth(at) else { return };
+                let end = column.len() + LANES * label.width() * layout.nodes;
+                let lines = block.lines(layout, label, FieldId::new(field)).unwrap_or_default();
+                column.extend(lines.iter().flat_map(|line| line.0));
+                // each node has a row, also where the label is not there
+                column.resize(end, 0.0);
             });
         }
         parts.end();

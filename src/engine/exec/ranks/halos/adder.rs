@@ -67,7 +67,11 @@ impl Adder {
         context: &Context<'_>,
         particles: &[Vec<ParticlePatch>],
     ) -> usize {
-        1 + self.lines(exchange, context, &Header::of(self.block(particles), exchange, context))
+        1 + self.lines(
+            exchange,
+            context,
+            &Header::of(self.block(particles), self.material, exchange, context),
+        )
     }
 
     /// Runs `each(place of the label, lines of its buffers, width)` on all pencils that the block adds to, of the labels
@@ -102,7 +106,7 @@ impl Adder {
         message: &mut [Wide],
     ) {
         let block = self.block(particles);
-        let header = Header::of(block, exchange, context);
+        let header = Header::of(block, self.material, exchange, context);
         message[0] = header.write();
         let mut at = 1;
         self.pencils(exchange, context, &header, |place, lines| {

@@ -31,9 +31,13 @@ pub struct Header {
 }
 
 impl Header {
-    pub fn of(block: &ParticleBlock, exchange: &Exchange, context: &Context<'_>) -> Self {
+    pub fn of(block: &ParticleBlock, material: usize, exchange: &Exchange, context: &Context<'_>) -> Self {
         let has = |label: LabelId| {
-            context.node_layout.partial_place(label).is_some_and(|place| !block.partials[place].is_empty())
+            exchange.givers.contains(&(label, material))
+                && context
+                    .node_layout
+                    .partial_place(label)
+                    .is_some_and(|place| !block.partials[place].is_empty())
         };
         let bits = exchange.labels.iter().enumerate().map(|(at, &label)| u64::from(has(label)) << at);
         Self { touched: block.touched, labels: bits.sum() }

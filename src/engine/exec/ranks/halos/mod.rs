@@ -205,7 +205,7 @@ impl Halos {
             let mut message = network.memory(most);
             for read in neighbor.read_here.iter().filter(ends) {
                 let block = &nodes[read.place.0].blocks[read.place.1];
-                let nodes = read.nodes(&context.shape, &neighbor.adders_there, particles);
+                let nodes = read.nodes(&context.shape, &neighbor.adders_there, particles, exchange.whole);
                 for (label, field) in columns(exchange, context, read.material) {
                     let values = block.lines(context.node_layout, label, field).unwrap_or_default();
                     rows(&context.shape, &nodes, label.width())
@@ -233,7 +233,7 @@ impl Halos {
         let mut reader = Reader { message, at: 0 };
         for neighbor in self.neighbors.iter().filter(|it| it.rank == rank) {
             for read in neighbor.read_there.iter().filter(|read| context.schedule.ends(read.material)) {
-                let touched = read.nodes(&context.shape, &neighbor.adders_here, particles);
+                let touched = read.nodes(&context.shape, &neighbor.adders_here, particles, exchange.whole);
                 let block = &mut nodes[read.place.0].blocks[read.place.1];
                 for (label, field) in columns(exchange, context, read.material) {
                     let values = block.lines_mut(context.node_layout, label, field).unwrap_or_default();

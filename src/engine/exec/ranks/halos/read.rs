@@ -33,10 +33,18 @@ pub fn read(warehouse: &Warehouse, adders: &[Adder]) -> Vec<Read> {
 }
 
 impl Read {
-    /// The nodes that are read, from the block's first one on.
-    pub fn nodes(&self, shape: &BlockShape, readers: &[Adder], particles: &[Vec<ParticlePatch>]) -> IndexBox {
+    /// The nodes that are read, from the block's first one on; all that may be, if nobody knows which.
+    pub fn nodes(
+        &self,
+        shape: &BlockShape,
+        readers: &[Adder],
+        particles: &[Vec<ParticlePatch>],
+        whole: bool,
+    ) -> IndexBox {
+        let all = IndexBox { lower: [0; 3], upper: shape.buffer };
         let touched = self.readers.iter().filter_map(|&(reader, q)| {
-            Some(overlap(shape, back(q), &readers[reader].block(particles).touched)?.0)
+            let touched = if whole { &all } else { &readers[reader].block(particles).touched };
+            Some(overlap(shape, back(q), touched)?.0)
         });
         let nothing = IndexBox { lower: [0; 3], upper: [0; 3] };
         touched.reduce(|a, b| a.around(&b)).unwrap_or(nothing)

@@ -1,0 +1,130 @@
+//! Whether a task may use a label as it declares: by what the task runs over, and where the label is.
+use super::error::GraphError;
+use super::phase::Phase;
+use super::recipe::{Graph, Node, Why, everywhere, over_particles};
+use super::task::{Access, Domain, Mode};
+use crate::schema::{Combine, Crossing, Home, LabelId, Life};
+use petgraph::visit::{EdgeRef, IntoEdgeReferences};
+
+/// What a task does, and what to do instead.
+type Misuse = (&'static str, &'static str);
+
+/// Whether there are data of the label where the task runs.
+///
+/// # Errors
+/// [`GraphError::Misuse`], [`GraphError::NoGhosts`].
+pub fn check(node: &Node, access: &Access) -> Result<(), GraphError> {
+    let (task, label, domain) = (node.name.clone(), access.label, node.declaration.domain);
+    if let Some((what, remedy)) = misuse(domain, access) {
+        return Err(GraphError::Misuse { task, label, what, remedy });
+    }
+    if over_particles(domain) && label.home() == Home::Node && access.ghost == 0 {
+        return Err(GraphError::NoGhosts { task, label, most: label.ghosts() });
+    }
+    Ok(())
+}
+
+fn misuse(domain: Domain, access: &Access) -> Option<Misuse> {
+    match (access.label.home(), domain) {
+        (Home::Run | Home::Material, Domain::Once) => None,
+        (_, Domain::Once) => Some((
+            "runs once and declares",
+            "it has no place where one of particles, chunks, nodes or blocks would be: reduce to a label of the run",
+        )),
+        (Home::Run | Home::Material, _) => shared(access),
+        (Home::Node, Domain::Nodes) => nodes(access),
+        (Home::Node, _) => nodes_of_particles(access),
+        (_, Domain::Nodes) => Some((
+            "runs over nodes and declares",
+            "there are no particles where it runs: let particles add to a label of nodes, with partials",
+        )),
+        _ => None,
+    }
+}
+
+/// Blocks and threads have copies of shared labels: only contributions come back.
+fn shared(access: &Access) -> Option<Misuse> {
+    let reduces = access.mode == Mode::Computes && access.label.combine() != Combine::None;
+    (access.mode.writes() && !reduces).then_some((
+        "runs over blocks and overwrites",
+        "each has a copy of it: let a task that runs once do it, or compute a label whose contributions combine",
+    ))
+}
+
+fn nodes(access: &Access) -> Option<Misuse> {
+    match access.mode {
+        _ if access.ghost > 0 => Some((
+            "runs over nodes and declares ghosts of",
+            "it sees the nodes of its block alone: declare it without @",
+        )),
+        Mode::Computes if access.label.is_partial() => Some((
+            "runs over nodes and computes",
+            "particles add to it: modify the sums, or compute a label of another row",
+        )),
+        _ => None,
+    }
+}
+
+fn nodes_of_particles(access: &Access) -> Option<Misuse> {
+    match (access.mode, access.label.crossing()) {
+        (Mode::Computes, Crossing::Partials(_)) => None,
+        (Mode::Computes, _) => Some((
+            "runs over particles and computes",
+            "blocks have no partial sums of it: give its row partials(n)",
+        )),
+        (Mode::Modifies, _) => Some((
+            "runs over particles and modifies",
+            "particles only add to nodes: compute a label with partials(n), and modify in a task over nodes",
+        )),
+        (_, Crossing::Values(_)) => None,
+        (_, Crossing::Partials(_)) => Some((
+            "runs over particles and reads",
+            "it is a sum of which each block has a part: let a task over nodes compute a label with values(n) of it",
+        )),
+        (_, Crossing::None) => {
+            Some(("runs over particles and reads", "it does not leave its nodes: give its row values(n)"))
+        }
+    }
+}
+
+/// Labels that live for a stage, changed in one and read in another.
+pub fn escapes(graph: &Graph, phases: &[Phase], patches: usize) -> Vec<GraphError> {
+    let stages = || phases.iter().flat_map(|phase| &phase.stages);
+    let mut found = Vec::new();
+    for edge in graph.edge_references() {
+        let (source, label) = (&graph[edge.source()], edge.weight().label);
+        let stays = label.home() != Home::Node
+            || label.life() != Life::Stage
+            || edge.weight().why != Why::Flow
+            || source.declaration.domain != Domain::Nodes;
+        let [from, to] = [edge.source(), edge.target()].map(|n| stages().position(|s| s.nodes.contains(&n)));
+        if !stays && from != to {
+            let (task, writer) = (graph[edge.target()].name.clone(), source.name.clone());
+            let escape = GraphError::StageLabelEscapes { task, label, writer, patches: everywhere(patches) };
+            if !found.contains(&escape) {
+                found.push(escape);
+            }
+        }
+    }
+    found
+}
+
+/// Partial sums that are to outlive the graph, and that no stage over nodes adds up.
+pub fn never_summed(graph: &Graph, phases: &[Phase]) -> Vec<GraphError> {
+    let sums = |from: usize, label: &LabelId| {
+        phases[from..].iter().flat_map(|phase| &phase.stages).any(|stage| stage.sums.contains(label))
+    };
+    let mut found = Vec::new();
+    for (number, phase) in phases.iter().enumerate() {
+        for stage in &phase.stages {
+            for &label in stage.adds.iter().filter(|label| label.life() >= Life::Step && !sums(number, label))
+            {
+                let adds = |a: &Access| a.label == label && a.mode.writes();
+                let task = stage.nodes.iter().find(|n| graph[**n].declaration.access.iter().any(adds));
+                let task = task.map(|n| graph[*n].name.clone()).unwrap_or_default();
+                found.push(GraphError::NeverSummed { task, label });
+            }
+        }
+    }
+    found
+}
