@@ -66,7 +66,7 @@ fn who_does_not_add_again_has_nothing_there_and_ranks_agree_on_what_is_done_once
         let found = together(&layout, |mut network| {
             let program = program();
             let mut warehouse = warehouse(&start(), &layout, &program, network.rank());
-            let mut engine = Engine::new(Serial, Isa::detect(), &warehouse);
+            let mut engine = Engine::new(Box::new(Serial), Isa::detect(), &warehouse);
             for _ in 0..2 {
                 engine.execute(&program, &mut warehouse, &mut network, &mut Undirected).expect("a step");
             }

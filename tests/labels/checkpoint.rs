@@ -15,7 +15,7 @@ fn write(start: &Start, layout: &Layout, count: usize, path: &Path) -> State {
         let program =
             program(&start.fields, start.cells, layout.patches.iter().product()).expect("a program");
         let mut warehouse = warehouse(start, layout, &program, network.rank());
-        let mut engine = Engine::new(Serial, Isa::detect(), &warehouse);
+        let mut engine = Engine::new(Box::new(Serial), Isa::detect(), &warehouse);
         steps((&mut engine, &mut warehouse, &mut network), &program, layout, count);
         let mut head = Head::default();
         head.describe(&mut network, &warehouse).expect("tables");
@@ -32,7 +32,7 @@ fn restart(start: &Start, layout: &Layout, count: usize, path: &Path) -> State {
         let mut warehouse = empty(start, layout, &program, (&layout.of[0], network.rank()));
         checkpoint::fill(&mut warehouse, &Reader::open(path).expect("a whole file"))
             .expect("what was written");
-        let mut engine = Engine::new(Serial, Isa::detect(), &warehouse);
+        let mut engine = Engine::new(Box::new(Serial), Isa::detect(), &warehouse);
         steps((&mut engine, &mut warehouse, &mut network), &program, layout, count);
         state(&warehouse)
     })

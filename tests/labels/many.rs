@@ -96,7 +96,7 @@ fn seen(network: &mut dyn Network, x: &[f64]) -> Vec<(u64, f64)> {
             warehouse.insert(0, at, &[x, 0.0, 0.0, f64::from_bits(identity), 0.0]).expect("in the level");
         }
     }
-    let mut engine = Engine::new(Serial, Isa::detect(), &warehouse);
+    let mut engine = Engine::new(Box::new(Serial), Isa::detect(), &warehouse);
     // twice: buffers are used again
     for _ in 0..2 {
         engine.execute(&program, &mut warehouse, network, &mut Undirected).expect("a step");

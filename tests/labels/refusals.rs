@@ -3,7 +3,7 @@ use crate::toy::*;
 use engine::graph::build::TaskGraph;
 use engine::graph::task::Runnable;
 use engine::prelude::*;
-use engine::program::{RoundHazard, hazards};
+use engine::program::{RoundHazard, Site, hazards};
 use engine::schema::{LabelId, Row};
 
 /// Tasks without a body.
@@ -174,7 +174,7 @@ fn what_a_tick_or_step_leaves_is_not_read_before_it_is_there() {
     let program = |script| Program::build("parts", script, &OUTPUTS, 2).expect("a program");
     let late = program(vec![Script::Graph("early", recipe([of(ReadStep)]))]);
     let task = "ReadStep[matter]".to_owned();
-    let missing = RoundHazard::NotLeft { graph: "early".into(), task, label: StepValue::ID };
+    let missing = RoundHazard::NotLeft(Site { graph: "early".into(), task, label: StepValue::ID });
     assert_eq!(hazards(&late), [missing]);
 }
 

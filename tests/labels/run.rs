@@ -5,7 +5,7 @@ use engine::data::exact_sum::ExactSum;
 use engine::data::layout::ParticleLayout;
 use engine::exec::ranks::Network;
 use engine::exec::ranks::local::Local;
-use engine::exec::{Engine, Executor, Undirected};
+use engine::exec::{Engine, Undirected};
 use engine::prelude::*;
 use engine::schema::LabelId;
 use engine::simd::Isa;
@@ -68,8 +68,8 @@ pub fn warehouse(start: &Start, layout: &Layout, program: &Program, rank: usize)
 }
 
 /// Runs some steps; patches change their ranks among them.
-pub fn steps<E: Executor>(
-    (engine, warehouse, network): (&mut Engine<E>, &mut Warehouse, &mut dyn Network),
+pub fn steps(
+    (engine, warehouse, network): (&mut Engine, &mut Warehouse, &mut dyn Network),
     program: &Program,
     layout: &Layout,
     steps: usize,
@@ -103,11 +103,11 @@ pub fn run(start: &Start, layout: &Layout, count: usize) -> State {
             program(&start.fields, start.cells, layout.patches.iter().product()).expect("a program");
         let mut warehouse = warehouse(start, layout, &program, network.rank());
         if layout.threads == 1 {
-            let mut engine = Engine::new(Serial, Isa::detect(), &warehouse);
+            let mut engine = Engine::new(Box::new(Serial), Isa::detect(), &warehouse);
             steps((&mut engine, &mut warehouse, &mut network), &program, layout, count);
         } else {
             let threads = Threads::new(layout.threads).expect("threads");
-            let mut engine = Engine::new(threads, Isa::detect(), &warehouse);
+            let mut engine = Engine::new(Box::new(threads), Isa::detect(), &warehouse);
             steps((&mut engine, &mut warehouse, &mut network), &program, layout, count);
         }
         state(&warehouse)

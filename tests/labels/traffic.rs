@@ -61,7 +61,7 @@ fn sent(
         let (program, from) = (program(), rank.rank());
         let mut network = Counting { rank, sent: BTreeMap::new() };
         let mut warehouse = warehouse(start, layout, &program, from);
-        let mut engine = Engine::new(Serial, Isa::detect(), &warehouse);
+        let mut engine = Engine::new(Box::new(Serial), Isa::detect(), &warehouse);
         let graphs = program.graphs().into_iter().map(|graph| {
             engine.run(graph, &mut warehouse, &mut network).expect("a graph");
             engine.reduce(None, &graph.at_end, &mut warehouse.shared, &mut network).expect("reductions");
@@ -182,7 +182,7 @@ fn a_label_stands_in_the_dump_with_its_bytes() {
     let graph = program.graphs()[1];
     let cycle = Cycle { most: None, tick: 0.0, fastest: 0, own: Vec::new() };
     let diagram = Diagram::collapsed(graph, &cycle, &traffic, None);
-    let (json, text) = (diagram.to_json(), diagram.to_text());
+    let (json, text) = (diagram.to_json(), diagram.table() + &diagram.report());
     // the node that stays on the rank, and the two that travel
     for (label, lines) in [("StageSum", 1), ("TickSum", 2), ("StepSum", 3), ("StageExact", 9)] {
         let links = json["links"].as_array().expect("links");

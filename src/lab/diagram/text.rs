@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 impl Diagram<'_> {
     /// The table of tasks (collapsed) or all items (expanded).
-    pub(super) fn table(&self) -> String {
+    pub fn table(&self) -> String {
         if self.expanded { self.list() } else { self.shown().to_text() }
     }
 
