@@ -50,8 +50,10 @@ impl<'a> Exchanges<'a> {
                 self.halos.send_values((&mut *self.network, channel), exchange, &work.context, from)
             }
         };
-        let event = Event::halo(exchange.from.unwrap_or(exchange.to));
-        work.watch.trace.record(0, began, event.sent(messages, lines * size_of::<Wide>()));
+        if messages > 0 {
+            let event = Event::halo(exchange.from.unwrap_or(exchange.to)).of_exchange(number);
+            work.watch.trace.record(0, began, event.sent(messages, lines * size_of::<Wide>()));
+        }
     }
 
     /// Takes in what has arrived of an exchange; waits for the rest if there is nothing else to do. Returns whether all is here.
@@ -70,7 +72,7 @@ impl<'a> Exchanges<'a> {
         }
         let (exchange, began) = (&self.all[number], work.watch.trace.now());
         let channel = Channel::Halo(number as u16);
-        let mut at = 0;
+        let (mut at, before) = (0, self.outstanding.len());
         while at < self.outstanding.len() {
             let (which, rank) = self.outstanding[at];
             let message = match (which == number, wait) {
@@ -101,7 +103,10 @@ impl<'a> Exchanges<'a> {
             }
             self.network.give_back(message);
         }
-        work.watch.trace.record(0, began, Event::halo(exchange.to));
+        // who only looked has not waited
+        if self.outstanding.len() < before {
+            work.watch.trace.record(0, began, Event::halo(exchange.to).of_exchange(number));
+        }
         Ok(!self.outstanding.iter().any(|(exchange, _)| *exchange == number))
     }
 }
