@@ -1,5 +1,6 @@
 //! Programs as they run: their graphs one after the other, loops until they are done.
 use super::meter::What;
+use super::order::{self, Op};
 use super::ranks::{Network, NetworkError};
 use super::relocate::Relocation;
 use super::traveler::Traveler;
@@ -134,7 +135,7 @@ impl<E: Executor> Engine<E> {
         conductor: &mut C,
     ) -> Result<(), C::Error> {
         self.run(graph, warehouse, network)?;
-        if !graph.moves_particles() {
+        if order::end(graph) == [Op::ReduceAtEnd] {
             self.reduce(None, &graph.at_end, &mut warehouse.shared, network)?;
             return conductor.ran(graph, warehouse, &Relocation::default());
         }

@@ -1,9 +1,9 @@
 //! The model of this machine against what was measured on it.
-use super::field::Field;
-use super::model::{Cluster, Costs};
-use super::predict::{Setup, simulate};
+use super::footprint::Footprint;
+use super::load::{Listed, Ranks};
+use super::model::{Cluster, Costs, Setup};
+use super::predict::simulate;
 use super::row::Row;
-use super::tick::LINE;
 use grid::{Decomposition, Level};
 use serde::Serialize;
 
@@ -36,10 +36,10 @@ pub struct Check {
 /// # Errors
 /// Rows that the model cannot cut.
 pub fn validate(
-    field: &Field,
+    footprint: &Footprint,
     level: &Level,
     rows: &[Row],
-    setup: &Setup,
+    setup: &Setup<'_>,
     (fitted, cores): (Option<usize>, usize),
 ) -> Result<Vec<Check>, String> {
     let mut checks = Vec::new();
@@ -49,12 +49,9 @@ pub fn validate(
         // one worker has the machine to itself
         let contention = if row.workers() > 1 { setup.costs.contention } else { 1.0 };
         let costs = Costs { contention, ..setup.costs.clone() };
-        let listed = field.ranks(&patches, row.ranks, &costs, row.threads)?;
-        let edges = listed.edges.iter().flatten();
-        let bytes = edges.fold(0.0, |sum, edge| sum + f64::from(edge.sums + edge.motion + LINE));
-        let bytes = bytes / row.ranks as f64;
         let cluster = Cluster { ranks: row.ranks.max(1), noise: 0.0, ..setup.cluster };
         let setup = Setup { costs, cluster, threads: row.threads, ..setup.clone() };
+        let listed = footprint.ranks(&patches, row.ranks, &setup)?;
         let (model_ms, measured_ms) = (1e3 * simulate(&listed, &setup).step, row.step_ms[0]);
         checks.push(Check {
             patches: row.patches,
@@ -64,11 +61,24 @@ pub fn validate(
             model_ms,
             error: model_ms / measured_ms - 1.0,
             measured_bytes: row.parts.bytes,
-            model_bytes: bytes,
+            model_bytes: bytes(&listed, &setup),
             fitted: fitted == Some(number),
         });
     }
     Ok(checks)
+}
+
+/// What a mean rank sends in a step [B].
+fn bytes(ranks: &Listed, setup: &Setup<'_>) -> f64 {
+    let exchanges = || (0..setup.step.graph.exchanges.len()).map(Some).chain([None]);
+    let (mut sum, mut messages) = (0.0, Vec::new());
+    for &kind in &setup.step.ticks {
+        for (rank, exchange) in (0..ranks.count()).flat_map(|rank| exchanges().map(move |e| (rank, e))) {
+            ranks.sends(rank, kind, exchange, &mut messages);
+            sum += messages.iter().map(|message| f64::from(message.bytes)).sum::<f64>();
+        }
+    }
+    sum / ranks.count() as f64
 }
 
 /// The largest error of a row that the model was not fitted to.
