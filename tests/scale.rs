@@ -46,7 +46,8 @@ fn brick(blocks: f64) -> Brick {
         blocks: vec![blocks],
         nodes: vec![(vec![0], 1.4 * blocks)],
         reach: [0.3, 2.0],
-        widths: vec![vec![1.0]; 2],
+        fields: vec![1],
+        parts: vec![[1.0, 0.0]],
         patches: 8.0,
     }
 }
@@ -312,17 +313,7 @@ fn what_ranks_of_a_torus_send_is_received_and_neighbors_are_different_ranks() {
 /// The command on slab-quick, with its output in a folder.
 fn scale(out: &std::path::Path, more: &[&str]) -> std::process::Output {
     let mut command = Command::cargo_bin("sinew").expect("the command is built");
-    command.args([
-        "scale",
-        "problems/slab-quick",
-        "--quiet",
-        "--steps",
-        "2",
-        "--warm-up",
-        "1",
-        "--repeat",
-        "1",
-    ]);
+    command.args(["scale", "problems/slab-quick", "--quiet", "--steps=2", "--warm-up=1", "--repeat=1"]);
     command.arg("--out").arg(out).args(more).output().expect("it starts")
 }
 
@@ -371,6 +362,16 @@ fn a_run_that_fails_is_a_row_and_not_the_end() {
     assert_eq!(csv.lines().count(), 3);
     let nothing = scale(folder.path(), &["--patches", "1000x1x1", "--threads", "1", "--measure-only"]);
     assert_eq!(nothing.status.code(), Some(1));
+}
+
+#[test]
+fn materials_at_rates_of_their_own_are_predicted() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output =
+        scale(folder.path(), &["--predict-only", "--most-ranks", "4", "--set", "run.rates=per-material"]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{}", words(&output));
+    assert!(text.contains(" ticks at rest") && folder.path().join("predicted.csv").is_file(), "{text}");
 }
 
 #[test]

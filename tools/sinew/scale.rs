@@ -370,7 +370,7 @@ fn series(args: &Args, footprint: &Footprint, setup: &Setup<'_>, report: &mut Re
     println!("\nstrong: {} as it is, on as many ranks as it has patches\n", report.scene);
     print!("{}", table::predicted(&report.strong));
     // a run cuts eight patches a thread
-    let brick = footprint.brick(setup.step, 8.0);
+    let brick = footprint.brick(8.0);
     println!(
         "\nweak: {:.0} particles in {:.0} blocks a worker, in a torus of ranks that look the same\n",
         brick.particles.iter().sum::<f64>(),

@@ -1,7 +1,7 @@
 //! The blocks of a scene at its start, and what ranks would do and send with them.
-use super::load::{Counts, Listed, Message};
+use super::load::{Counts, Listed, Message, Passing};
 use super::model::Setup;
-use super::step::{Step, Tick};
+use super::step::Tick;
 use super::torus::Brick;
 use crate::lab::plan;
 use crate::simulation::layout;
@@ -9,8 +9,7 @@ use engine::data::activate::FARTHEST;
 use engine::data::extent::{self, MARGIN};
 use engine::data::nodes::NOWHERE;
 use engine::exec::halo::{back, overlap};
-use engine::graph::exchange::{Exchange, Way};
-use engine::graph::traffic::LINE;
+use engine::graph::exchange::Exchange;
 use grid::{BlockIndex, BlockShape, Decomposition, IndexBox, Level, Partition};
 use scene::Scene;
 use std::collections::BTreeMap;
@@ -38,18 +37,7 @@ pub struct Footprint {
     census: Vec<(BlockIndex, u64)>,
 }
 
-/// What passes from a rank to another, by material.
-#[derive(Clone, Debug, Default)]
-struct Passing {
-    /// Blocks of particles that add to nodes there.
-    adders: f64,
-    /// The nodes that they add to, away from other materials and near them.
-    added: [f64; 2],
-    /// Nodes here that particles there read.
-    read: f64,
-}
-
-/// By sender and receiver.
+/// What passes, by sender and receiver, and material.
 type Pairs = BTreeMap<(usize, usize), Vec<Passing>>;
 
 impl Footprint {
@@ -132,8 +120,8 @@ impl Footprint {
         patches.loads(&self.census).into_iter().filter(|load| *load > 0).count()
     }
 
-    /// What each worker has on average where a worker has `patches` patches, for the exchanges of a step.
-    pub fn brick(&self, step: &Step<'_>, patches: f64) -> Brick {
+    /// A brick with the mean of all blocks.
+    pub fn brick(&self, patches: f64) -> Brick {
         let particles = self.particles();
         let all = particles.iter().sum::<f64>().max(1.0);
         let mean = |of: &dyn Fn(&Block) -> f64| {
@@ -145,32 +133,16 @@ impl Footprint {
         // a buffer begins one node below its block
         let below = axes(&|block, a| 1 - block.touched.lower[a]);
         let above = axes(&|block, a| block.touched.upper[a] - 5);
-        let of_material = |exchange, material| {
-            let [far, near] = self.widths(exchange, material);
-            mean(&|block| match block.near {
-                _ if block.material != material => 0.0,
-                true => near,
-                false => far,
-            })
+        let share = |material, near| {
+            mean(&|block| f64::from(u8::from((block.material, block.near) == (material, near))))
         };
-        let materials = 0..self.fields.len();
-        let widths = step.graph.exchanges.iter();
-        let widths = widths.map(|e| materials.clone().map(|m| of_material(e, m)).collect()).collect();
+        let parts = (0..self.fields.len()).map(|m| [share(m, false), share(m, true)]).collect();
         let counts = self.counts(&vec![0; self.blocks.len()], &vec![0; self.nodes.len()], 1);
         let sum = |pair: &[f64; 2]| pair[0] + pair[1];
         let blocks = counts[0].blocks.iter().map(sum).collect();
         let nodes = counts[0].nodes.iter().map(|(fields, pair)| (fields.clone(), sum(pair))).collect();
-        Brick { particles, blocks, nodes, reach: [below, above], widths, patches }
-    }
-
-    /// Lines a node of a material in an exchange, away from other materials and near them.
-    fn widths(&self, exchange: &Exchange, material: usize) -> [f64; 2] {
-        let fields = self.fields[material] as f64;
-        let partial = exchange.way == Way::Partials;
-        [false, true].map(|near| {
-            let there = exchange.labels.iter().filter(|label| near || !partial || !label.where_fields_meet());
-            fields * there.map(|label| label.width() as f64).sum::<f64>()
-        })
+        let fields = self.fields.clone();
+        Brick { particles, blocks, nodes, reach: [below, above], fields, parts, patches }
     }
 
     /// What ranks do and send if they share `patches`.
@@ -198,18 +170,9 @@ impl Footprint {
     fn sends(&self, pairs: &Pairs, ranks: usize, tick: &Tick, exchange: &Exchange) -> Vec<Vec<Message>> {
         let mut sends = vec![Vec::new(); ranks];
         for (&(from, to), passing) in pairs {
-            let acting = passing.iter().enumerate().filter(|(material, _)| tick.sends(exchange, *material));
-            let lines = acting.map(|(material, it)| {
-                let [far, near] = self.widths(exchange, material);
-                match exchange.way {
-                    // and a line a block that says what follows
-                    Way::Partials => it.adders + far * it.added[0] + near * it.added[1],
-                    Way::Values => far * it.read,
-                }
-            });
-            let bytes = LINE as f64 * lines.sum::<f64>();
+            let bytes = Passing::bytes(passing, exchange, tick);
             if bytes > 0.0 {
-                sends[from].push(Message { to: to as u32, bytes: bytes as f32 });
+                sends[from].push(Message { to: to as u32, bytes });
             }
         }
         sends
@@ -248,8 +211,9 @@ impl Footprint {
     /// What passes from rank to rank, for all that have blocks in sight of each other.
     fn pairs(&self, homes: &[usize], nodes: &[usize], rank_of: &dyn Fn(BlockIndex) -> usize) -> Pairs {
         let mut pairs = Pairs::new();
-        let materials = self.fields.len();
-        let nothing = || vec![Passing::default(); materials];
+        let nothing = || -> Vec<Passing> {
+            self.fields.iter().map(|&fields| Passing { fields, ..Passing::default() }).collect()
+        };
         let mut read: BTreeMap<(usize, usize, usize), IndexBox> = BTreeMap::new();
         let mut beside = Vec::new();
         for (block, &home) in self.blocks.iter().zip(homes) {

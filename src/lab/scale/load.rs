@@ -3,8 +3,10 @@ use super::model::{PhaseCost, Setup};
 use super::step::Tick;
 use engine::exec::order::Part;
 use engine::exec::wave::GRAIN;
+use engine::graph::exchange::{Exchange, Way};
 use engine::graph::phase::Phase;
 use engine::graph::traffic::LINE;
+use engine::schema::LabelId;
 
 /// The work of a rank in a tick.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,6 +58,43 @@ pub struct Counts {
     pub nodes: Vec<(Vec<usize>, [f64; 2])>,
     /// Patches.
     pub patches: f64,
+}
+
+/// What passes from a rank to another, of a material.
+#[derive(Clone, Debug, Default)]
+pub struct Passing {
+    /// Fields of the material.
+    pub fields: usize,
+    /// Blocks of particles that add to nodes there.
+    pub adders: f64,
+    /// The nodes that they add to, away from other materials and near them.
+    pub added: [f64; 2],
+    /// Nodes here that particles there read.
+    pub read: f64,
+}
+
+impl Passing {
+    /// Bytes of an exchange in a tick, of all materials; 0: no message.
+    pub fn bytes(all: &[Self], exchange: &Exchange, tick: &Tick) -> f32 {
+        let acting = all.iter().enumerate().filter(|(material, _)| tick.sends(exchange, *material));
+        LINE as f32 * acting.map(|(_, passing)| passing.lines(exchange)).sum::<f64>() as f32
+    }
+
+    fn lines(&self, exchange: &Exchange) -> f64 {
+        let width = |label: &LabelId| (self.fields * label.width()) as f64;
+        let labels = exchange.labels.iter();
+        match exchange.way {
+            Way::Partials => {
+                let lines = labels.map(|label| {
+                    let far = if label.where_fields_meet() { 0.0 } else { self.added[0] };
+                    width(label) * (far + self.added[1])
+                });
+                // and a line a block that says what follows
+                self.adders + lines.sum::<f64>()
+            }
+            Way::Values => self.read * labels.map(width).sum::<f64>(),
+        }
+    }
 }
 
 /// What comes to a rank in an exchange.

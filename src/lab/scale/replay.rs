@@ -34,10 +34,8 @@ enum Doing {
     Sends(Option<usize>),
     /// Needs those of others.
     Takes(Option<usize>),
-    /// A reduction of some bytes, by number of the act.
-    Reduces(f64, usize),
-    /// Agrees with all others whether to go on.
-    Agrees(usize),
+    /// A reduction, by number of the act.
+    Reduces(usize),
     /// All steps are done.
     Nothing,
 }
@@ -52,6 +50,8 @@ struct State {
     tick: usize,
     ticks: u32,
     reductions: u32,
+    /// Bytes of the present one, and whether it ends a step.
+    reduction: (f64, bool),
     /// Messages that it waits for, and how many.
     waits: Option<(About, u32)>,
     /// Whether all that others send before now has been sent.
@@ -176,14 +176,7 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
     fn event(&mut self, rank: usize) {
         match self.states[rank].doing {
             Doing::Sends(exchange) => self.send(rank, exchange),
-            Doing::Reduces(bytes, act) => {
-                self.send_part(rank, bytes, act);
-                self.states[rank].doing = Doing::Reduces(bytes, act + 1);
-            }
-            Doing::Agrees(act) => {
-                self.send_part(rank, LINE as f64, act);
-                self.states[rank].doing = Doing::Agrees(act + 1);
-            }
+            Doing::Reduces(act) => self.send_part(rank, act),
             _ => self.states[rank].settled = true,
         }
         self.go(rank);
@@ -198,14 +191,7 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
         match self.states[rank].doing {
             Doing::Next => self.next(rank),
             Doing::Takes(exchange) => self.take(rank, exchange),
-            Doing::Reduces(bytes, act) => match self.reduce(rank, bytes, act)? {
-                Some(act) => self.turn_to(rank, Doing::Reduces(bytes, act)),
-                None => self.turn_to(rank, Doing::Next),
-            },
-            Doing::Agrees(act) => match self.reduce(rank, LINE as f64, act)? {
-                Some(act) => self.turn_to(rank, Doing::Agrees(act)),
-                None => self.end_step(rank),
-            },
+            Doing::Reduces(act) => self.reduce(rank, act),
             Doing::Sends(_) => {
                 self.post(rank, false);
                 Break(())
@@ -271,10 +257,10 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
                 self.turn_to(rank, Doing::Sends(None))
             }
             Op::ReceiveTravelers => self.turn_to(rank, Doing::Takes(None)),
-            Op::Reduce(phase) => self.turn_to(rank, Doing::Reduces(tick.reduced[phase], 0)),
+            Op::Reduce(phase) => self.begin_reduction(rank, tick.reduced[phase], false),
             Op::ReduceAtEnd => {
                 let bytes = tick.reduced.last().copied().unwrap_or_default();
-                self.turn_to(rank, Doing::Reduces(bytes, 0))
+                self.begin_reduction(rank, bytes, false)
             }
         }
     }
@@ -302,10 +288,13 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
     }
 
     /// A rank sends its part of a reduction.
-    fn send_part(&mut self, rank: usize, bytes: f64, act: usize) {
-        let Some(Act::Send(to)) = collective::act(rank, self.states.len(), act) else { return };
-        let about = About::Reduction(self.states[rank].reductions, rank as u32);
-        self.dispatch(rank, about, Message { to: to as u32, bytes: bytes as f32 }, REDUCTION);
+    fn send_part(&mut self, rank: usize, act: usize) {
+        if let Some(Act::Send(to)) = collective::act(rank, self.states.len(), act) {
+            let (bytes, _) = self.states[rank].reduction;
+            let about = About::Reduction(self.states[rank].reductions, rank as u32);
+            self.dispatch(rank, about, Message { to: to as u32, bytes: bytes as f32 }, REDUCTION);
+        }
+        self.states[rank].doing = Doing::Reduces(act + 1);
     }
 
     fn dispatch(&mut self, rank: usize, about: About, message: Message, part: usize) {
@@ -343,12 +332,18 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
         self.turn_to(rank, Doing::Next)
     }
 
-    /// One act of a reduction; returns the number of the next one, or `None` at the end.
-    fn reduce(&mut self, rank: usize, bytes: f64, act: usize) -> ControlFlow<(), Option<usize>> {
+    fn begin_reduction(&mut self, rank: usize, bytes: f64, ends_step: bool) -> ControlFlow<()> {
+        self.states[rank].reduction = (bytes, ends_step);
+        self.turn_to(rank, Doing::Reduces(0))
+    }
+
+    /// One act of a reduction.
+    fn reduce(&mut self, rank: usize, act: usize) -> ControlFlow<()> {
+        let (bytes, ends_step) = self.states[rank].reduction;
         let (from, merge) = match collective::act(rank, self.states.len(), act) {
             None => {
                 self.states[rank].reductions += 1;
-                return Continue(None);
+                return if ends_step { self.end_step(rank) } else { self.turn_to(rank, Doing::Next) };
             }
             Some(Act::Send(_)) => {
                 self.post(rank, false);
@@ -360,7 +355,7 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
         let about = About::Reduction(self.states[rank].reductions, from as u32);
         self.receive(rank, about, 1, REDUCTION)?;
         self.spend(rank, REDUCTION, Cause::Handling, 1e-9 * merge * bytes);
-        Continue(Some(act + 1))
+        self.turn_to(rank, Doing::Reduces(act + 1))
     }
 
     fn end_tick(&mut self, rank: usize) -> ControlFlow<()> {
@@ -370,7 +365,7 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
             self.begin(rank);
             return Continue(());
         }
-        self.turn_to(rank, Doing::Agrees(0))
+        self.begin_reduction(rank, LINE as f64, true)
     }
 
     fn end_step(&mut self, rank: usize) -> ControlFlow<()> {

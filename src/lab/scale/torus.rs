@@ -1,9 +1,6 @@
 //! Weak scaling: ranks that all look the same, in a torus.
-use super::load::{Counts, Load, Message, Ranks, TRAVELERS};
+use super::load::{Counts, Load, Message, Passing, Ranks, TRAVELERS};
 use super::model::Setup;
-use super::step::Tick;
-use engine::graph::exchange::{Exchange, Way};
-use engine::graph::traffic::LINE;
 use grid::curve;
 
 /// A typical rank: a brick of full blocks.
@@ -17,8 +14,10 @@ pub struct Brick {
     pub nodes: Vec<(Vec<usize>, f64)>,
     /// How many layers of nodes below and above a block its particles reach.
     pub reach: [f64; 2],
-    /// Lines a node of each exchange, and the part of each material in them.
-    pub widths: Vec<Vec<f64>>,
+    /// Fields of each material.
+    pub fields: Vec<usize>,
+    /// The part of each material in all particles, away from other materials and near them.
+    pub parts: Vec<[f64; 2]>,
     /// Patches.
     pub patches: f64,
 }
@@ -47,10 +46,10 @@ impl Brick {
         self.all_blocks().cbrt()
     }
 
-    /// Lines of partial sums of one line a node that go to the neighbor in direction `d`, and the blocks that add to them.
-    fn partials(&self, d: [i32; 3]) -> [f64; 2] {
+    /// Nodes of the neighbor in direction `d` that blocks add to, and how many blocks do.
+    fn added(&self, d: [i32; 3]) -> [f64; 2] {
         let (n, [below, above]) = (self.side(), self.reach);
-        // lines along an axis from all blocks to their neighbors that lie beyond the face, or not
+        // nodes along an axis from all blocks to their neighbors that lie beyond the face, or not
         let along = |d: i32| match d {
             -1 => below,
             1 => above,
@@ -62,7 +61,7 @@ impl Brick {
     }
 
     /// Nodes that particles of the neighbor in direction `d` read: what they reach here.
-    fn values(&self, d: [i32; 3]) -> f64 {
+    fn read(&self, d: [i32; 3]) -> f64 {
         let (n, [below, above]) = (self.side(), self.reach);
         // who sits above reaches down
         let along = |d: i32| match d {
@@ -73,21 +72,17 @@ impl Brick {
         d.iter().map(|&d| along(d)).product()
     }
 
-    /// Bytes of an exchange that go to the neighbor in direction `d` in a tick.
-    fn bytes(&self, number: usize, exchange: &Exchange, tick: &Tick, d: [i32; 3]) -> f32 {
-        let acting = |counts: &[f64]| -> f64 {
-            let some = counts.iter().enumerate().filter(|(material, _)| tick.sends(exchange, *material));
-            some.map(|(_, count)| count).sum()
-        };
-        let width = acting(&self.widths[number]);
-        let lines = match exchange.way {
-            Way::Partials => {
-                let [lines, givers] = self.partials(d);
-                width * lines + givers * acting(&self.blocks) / self.all_blocks()
-            }
-            Way::Values => width * self.values(d),
-        };
-        (LINE as f64 * lines) as f32
+    /// What passes to the neighbor in direction `d`, by material.
+    fn passing(&self, d: [i32; 3]) -> Vec<Passing> {
+        let ([added, adders], read) = (self.added(d), self.read(d));
+        let materials = self.fields.iter().zip(&self.parts).zip(&self.blocks);
+        let passing = materials.map(|((&fields, part), blocks)| Passing {
+            fields,
+            adders: adders * blocks / self.all_blocks(),
+            added: part.map(|part| part * added),
+            read: (part[0] + part[1]) * read,
+        });
+        passing.collect()
     }
 
     /// Its counts, if it has neighbors along some axes: blocks of two layers at each face are on the rim, for they give to
@@ -138,10 +133,10 @@ impl Torus {
         let (kinds, counts) = (&setup.step.kinds, brick.counts(sides.map(|side| side > 1)));
         let loads = kinds.iter().map(|tick| counts.load(setup, tick)).collect();
         let exchanges = &setup.step.graph.exchanges;
-        let of =
-            |(number, exchange), tick| ways.iter().map(|&d| brick.bytes(number, exchange, tick, d)).collect();
-        let bytes = |tick| exchanges.iter().enumerate().map(|it| of(it, tick)).collect();
-        let bytes = kinds.iter().map(bytes).collect();
+        let passing: Vec<Vec<Passing>> = ways.iter().map(|&d| brick.passing(d)).collect();
+        let of = |exchange, tick| passing.iter().map(|it| Passing::bytes(it, exchange, tick)).collect();
+        let bytes = kinds.iter().map(|tick| exchanges.iter().map(|exchange| of(exchange, tick)).collect());
+        let bytes = bytes.collect();
         Self { sides, loads, ways, bytes, cells, ranks }
     }
 
@@ -211,7 +206,8 @@ mod tests {
             blocks: vec![64.0],
             nodes: vec![(vec![0], 96.0)],
             reach: [0.0, 2.0],
-            widths: vec![vec![1.0]; 2],
+            fields: vec![1],
+            parts: vec![[1.0, 0.0]],
             patches: 1.0,
         }
     }
@@ -229,8 +225,8 @@ mod tests {
         // 4 x 4 blocks; each gives 2 lines above it times 4 + 2 of its own and of its neighbors on both other axes
         let n = 4.0;
         let lines = 2.0 * (4.0 * n + 2.0 * (n - 1.0_f64)).powi(2);
-        assert_eq!(brick().partials([1, 0, 0]), [lines, n * n]);
-        assert_eq!(brick().values([-1, 0, 0]), 2.0 * 256.0);
-        assert_eq!(brick().values([1, 0, 0]), 0.0);
+        assert_eq!(brick().added([1, 0, 0]), [lines, n * n]);
+        assert_eq!(brick().read([-1, 0, 0]), 2.0 * 256.0);
+        assert_eq!(brick().read([1, 0, 0]), 0.0);
     }
 }

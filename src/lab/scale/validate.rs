@@ -1,6 +1,6 @@
 //! The model of this machine against what was measured on it.
 use super::footprint::Footprint;
-use super::load::{Listed, Ranks};
+use super::load::{Listed, Ranks, coming};
 use super::model::{Cluster, Costs, Setup};
 use super::predict::simulate;
 use super::row::Row;
@@ -68,17 +68,10 @@ pub fn validate(
     Ok(checks)
 }
 
-/// What a mean rank sends in a step [B].
+/// What a mean rank sends in a step [B]: what comes to one.
 fn bytes(ranks: &Listed, setup: &Setup<'_>) -> f64 {
-    let exchanges = || (0..setup.step.graph.exchanges.len()).map(Some).chain([None]);
-    let (mut sum, mut messages) = (0.0, Vec::new());
-    for &kind in &setup.step.ticks {
-        for (rank, exchange) in (0..ranks.count()).flat_map(|rank| exchanges().map(move |e| (rank, e))) {
-            ranks.sends(rank, kind, exchange, &mut messages);
-            sum += messages.iter().map(|message| f64::from(message.bytes)).sum::<f64>();
-        }
-    }
-    sum / ranks.count() as f64
+    let coming = setup.step.ticks.iter().map(|&kind| coming(ranks, setup.step.graph.exchanges.len(), kind));
+    coming.flatten().flatten().map(|it| f64::from(it.bytes)).sum::<f64>() / ranks.count() as f64
 }
 
 /// The largest error of a row that the model was not fitted to.
