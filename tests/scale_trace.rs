@@ -169,7 +169,7 @@ fn check(name: &str, overrides: Overrides<'_>, least_ticks: usize) {
     });
     let costs = Costs { phases: phases.collect(), contention: 1.0, ..Costs::default() };
     let setup = Setup { step: &step, costs, cluster: Cluster::default(), threads: 1, steps: STEPS };
-    let footprint = Footprint::at_start(&scene).expect("a footprint");
+    let footprint = Footprint::of(&scene).expect("a footprint");
     let mut ranks = footprint.ranks(&patches, RANKS, &setup).expect("enough patches");
 
     let all: Vec<Vec<Span>> = (0..RANKS).map(|rank| spans(&trace, rank)).collect();

@@ -170,8 +170,7 @@ impl Footprint {
     fn sends(&self, pairs: &Pairs, ranks: usize, tick: &Tick, exchange: &Exchange) -> Vec<Vec<Message>> {
         let mut sends = vec![Vec::new(); ranks];
         for (&(from, to), passing) in pairs {
-            let bytes = Passing::bytes(passing, exchange, tick);
-            if bytes > 0.0 {
+            if let Some(bytes) = Passing::bytes(passing, exchange, tick) {
                 sends[from].push(Message { to: to as u32, bytes });
             }
         }
@@ -219,12 +218,14 @@ impl Footprint {
         for (block, &home) in self.blocks.iter().zip(homes) {
             beside.clear();
             for &(node, touched) in block.around.iter().filter(|(node, _)| nodes[*node] != home) {
-                let to = nodes[node];
-                let passing = &mut pairs.entry((home, to)).or_insert_with(nothing)[block.material];
+                let (to, material) = (nodes[node], block.material);
+                let passing = &mut pairs.entry((home, to)).or_insert_with(nothing)[material];
                 passing.added[usize::from(block.near)] += touched.len() as f64;
                 if !beside.contains(&to) {
                     beside.push(to);
                     passing.adders += 1.0;
+                    // who has added to nodes reads them
+                    pairs.entry((to, home)).or_insert_with(nothing)[material].readers += 1.0;
                 }
                 if !touched.is_empty() {
                     let known = read.entry((node, block.material, home)).or_insert(touched);

@@ -69,15 +69,22 @@ pub struct Passing {
     pub adders: f64,
     /// The nodes that they add to, away from other materials and near them.
     pub added: [f64; 2],
-    /// Nodes here that particles there read.
+    /// Blocks of particles there that read nodes here.
+    pub readers: f64,
+    /// The nodes that they read.
     pub read: f64,
 }
 
 impl Passing {
-    /// Bytes of an exchange in a tick, of all materials; 0: no message.
-    pub fn bytes(all: &[Self], exchange: &Exchange, tick: &Tick) -> f32 {
-        let acting = all.iter().enumerate().filter(|(material, _)| tick.sends(exchange, *material));
-        LINE as f32 * acting.map(|(_, passing)| passing.lines(exchange)).sum::<f64>() as f32
+    /// Bytes of an exchange in a tick, of all materials; `None`: there is no message.
+    pub fn bytes(all: &[Self], exchange: &Exchange, tick: &Tick) -> Option<f32> {
+        let acting = || all.iter().enumerate().filter(|(material, _)| tick.sends(exchange, *material));
+        let blocks = acting().map(|(_, passing)| match exchange.way {
+            Way::Partials => passing.adders,
+            Way::Values => passing.readers,
+        });
+        let lines = || acting().map(|(_, passing)| passing.lines(exchange)).sum::<f64>();
+        (blocks.sum::<f64>() > 0.0).then(|| LINE as f32 * lines() as f32)
     }
 
     fn lines(&self, exchange: &Exchange) -> f64 {
@@ -113,7 +120,7 @@ pub fn coming<R: Ranks + ?Sized>(ranks: &R, exchanges: usize, kind: usize) -> Ve
         let mut coming = vec![Coming::default(); ranks.count()];
         for rank in 0..ranks.count() {
             ranks.sends(rank, kind, exchange, &mut messages);
-            for message in messages.iter().filter(|message| message.bytes > 0.0) {
+            for message in &messages {
                 let to = &mut coming[message.to as usize];
                 *to = Coming { messages: to.messages + 1, bytes: to.bytes + message.bytes };
             }

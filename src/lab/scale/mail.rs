@@ -3,7 +3,7 @@ use super::wires::Moment;
 
 /// What messages are about: all ranks number their exchanges and reductions in the same way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum About {
+pub enum Topic {
     /// An exchange of a tick (both counted from the beginning); `None`: travelers.
     Exchange(u32, Option<u32>),
     /// A part of a reduction (counted from the beginning), from a rank.
@@ -13,7 +13,7 @@ pub enum About {
 /// Messages about the same.
 #[derive(Clone, Copy, Debug)]
 struct Pile {
-    about: About,
+    topic: Topic,
     count: u32,
     latest: Moment,
 }
@@ -28,26 +28,26 @@ impl Mail {
     }
 
     /// A message will arrive.
-    pub fn put(&mut self, rank: usize, about: About, arrival: Moment) {
-        match self.0[rank].iter_mut().find(|pile| pile.about == about) {
+    pub fn put(&mut self, rank: usize, topic: Topic, arrival: Moment) {
+        match self.0[rank].iter_mut().find(|pile| pile.topic == topic) {
             Some(pile) => (pile.count, pile.latest) = (pile.count + 1, pile.latest.or_later(arrival)),
-            None => self.0[rank].push(Pile { about, count: 1, latest: arrival }),
+            None => self.0[rank].push(Pile { topic, count: 1, latest: arrival }),
         }
     }
 
     /// When the last of `count` messages arrives, if all have been sent.
-    pub fn all(&self, rank: usize, about: About, count: u32) -> Option<Moment> {
+    pub fn all(&self, rank: usize, topic: Topic, count: u32) -> Option<Moment> {
         if count == 0 {
             return Some(Moment::default());
         }
-        let pile = self.0[rank].iter().find(|pile| pile.about == about);
+        let pile = self.0[rank].iter().find(|pile| pile.topic == topic);
         pile.filter(|pile| pile.count == count).map(|pile| pile.latest)
     }
 
     /// The same; the messages are taken.
-    pub fn take(&mut self, rank: usize, about: About, count: u32) -> Option<Moment> {
-        let arrival = self.all(rank, about, count)?;
-        self.0[rank].retain(|pile| pile.about != about);
+    pub fn take(&mut self, rank: usize, topic: Topic, count: u32) -> Option<Moment> {
+        let arrival = self.all(rank, topic, count)?;
+        self.0[rank].retain(|pile| pile.topic != topic);
         Some(arrival)
     }
 }

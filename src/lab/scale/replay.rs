@@ -5,7 +5,7 @@
 //! all ranks agree whether to go on. Events are the moments at which a rank sends, or looks whether a message is here while
 //! others may still send it; they are handled in the order of time, so that messages share wires as they would.
 use super::load::{Coming, Message, Ranks, coming};
-use super::mail::{About, Mail};
+use super::mail::{Mail, Topic};
 use super::model::Setup;
 use super::order::{Order, Place};
 use super::wires::{Cause, Moment, Wires};
@@ -53,7 +53,7 @@ struct State {
     /// Bytes of the present one, and whether it ends a step.
     reduction: (f64, bool),
     /// Messages that it waits for, and how many.
-    waits: Option<(About, u32)>,
+    waits: Option<(Topic, u32)>,
     /// Whether all that others send before now has been sent.
     settled: bool,
     /// Factor of the time of tasks in this tick.
@@ -212,8 +212,8 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
         let slabs = self.ranks.load(rank, kind).slabs;
         let State { ticks, now, settled, mut place, .. } = self.states[rank];
         let here = |exchange: usize| {
-            let about = About::Exchange(ticks, Some(exchange as u32));
-            match self.mail.all(rank, about, self.coming[kind][exchange][rank].messages) {
+            let topic = Topic::Exchange(ticks, Some(exchange as u32));
+            match self.mail.all(rank, topic, self.coming[kind][exchange][rank].messages) {
                 Some(arrival) => Ok(arrival.time <= now.time),
                 None if settled => Ok(false),
                 None => Err(Unsettled),
@@ -279,9 +279,9 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
     fn send(&mut self, rank: usize, exchange: Option<usize>) {
         let mut messages = std::mem::take(&mut self.messages);
         self.ranks.sends(rank, self.kind(rank), exchange, &mut messages);
-        let about = About::Exchange(self.states[rank].ticks, exchange.map(|number| number as u32));
-        for message in messages.iter().filter(|message| message.bytes > 0.0) {
-            self.dispatch(rank, about, *message, part_of(exchange));
+        let topic = Topic::Exchange(self.states[rank].ticks, exchange.map(|number| number as u32));
+        for &message in &messages {
+            self.dispatch(rank, topic, message, part_of(exchange));
         }
         self.messages = messages;
         self.states[rank].doing = Doing::Next;
@@ -291,28 +291,28 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
     fn send_part(&mut self, rank: usize, act: usize) {
         if let Some(Act::Send(to)) = collective::act(rank, self.states.len(), act) {
             let (bytes, _) = self.states[rank].reduction;
-            let about = About::Reduction(self.states[rank].reductions, rank as u32);
-            self.dispatch(rank, about, Message { to: to as u32, bytes: bytes as f32 }, REDUCTION);
+            let topic = Topic::Reduction(self.states[rank].reductions, rank as u32);
+            self.dispatch(rank, topic, Message { to: to as u32, bytes: bytes as f32 }, REDUCTION);
         }
         self.states[rank].doing = Doing::Reduces(act + 1);
     }
 
-    fn dispatch(&mut self, rank: usize, about: About, message: Message, part: usize) {
+    fn dispatch(&mut self, rank: usize, topic: Topic, message: Message, part: usize) {
         self.spend(rank, part, Cause::Handling, self.setup.cluster.overhead);
         let to = message.to as usize;
         let arrival = self.wires.arrival(rank, to, message.bytes.into(), self.states[rank].now);
-        self.mail.put(to, about, arrival);
-        let waits = self.states[to].waits.filter(|(what, _)| *what == about);
-        if waits.is_some_and(|(_, count)| self.mail.all(to, about, count).is_some()) {
+        self.mail.put(to, topic, arrival);
+        let waits = self.states[to].waits.filter(|(what, _)| *what == topic);
+        if waits.is_some_and(|(_, count)| self.mail.all(to, topic, count).is_some()) {
             self.states[to].waits = None;
             self.ready.push(to);
         }
     }
 
     /// Takes messages when the last of them is here; if that is not known yet, the rank waits for it to be sent.
-    fn receive(&mut self, rank: usize, about: About, count: u32, part: usize) -> ControlFlow<()> {
-        let Some(arrival) = self.mail.take(rank, about, count) else {
-            self.states[rank].waits = Some((about, count));
+    fn receive(&mut self, rank: usize, topic: Topic, count: u32, part: usize) -> ControlFlow<()> {
+        let Some(arrival) = self.mail.take(rank, topic, count) else {
+            self.states[rank].waits = Some((topic, count));
             return Break(());
         };
         self.wait(rank, part, arrival);
@@ -324,8 +324,8 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
     fn take(&mut self, rank: usize, exchange: Option<usize>) -> ControlFlow<()> {
         let of_kind = &self.coming[self.kind(rank)];
         let Coming { messages, bytes } = of_kind[exchange.unwrap_or(of_kind.len() - 1)][rank];
-        let about = About::Exchange(self.states[rank].ticks, exchange.map(|number| number as u32));
-        self.receive(rank, about, messages, part_of(exchange))?;
+        let topic = Topic::Exchange(self.states[rank].ticks, exchange.map(|number| number as u32));
+        self.receive(rank, topic, messages, part_of(exchange))?;
         if let Some(exchange) = exchange {
             self.handle(rank, exchange, bytes);
         }
@@ -352,8 +352,8 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
             Some(Act::Merge(from)) => (from, self.setup.costs.merge),
             Some(Act::Take(from)) => (from, 0.0),
         };
-        let about = About::Reduction(self.states[rank].reductions, from as u32);
-        self.receive(rank, about, 1, REDUCTION)?;
+        let topic = Topic::Reduction(self.states[rank].reductions, from as u32);
+        self.receive(rank, topic, 1, REDUCTION)?;
         self.spend(rank, REDUCTION, Cause::Handling, 1e-9 * merge * bytes);
         self.turn_to(rank, Doing::Reduces(act + 1))
     }

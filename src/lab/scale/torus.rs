@@ -76,9 +76,11 @@ impl Brick {
     fn passing(&self, d: [i32; 3]) -> Vec<Passing> {
         let ([added, adders], read) = (self.added(d), self.read(d));
         let materials = self.fields.iter().zip(&self.parts).zip(&self.blocks);
+        let share = |blocks: &f64| adders * blocks / self.all_blocks();
         let passing = materials.map(|((&fields, part), blocks)| Passing {
             fields,
-            adders: adders * blocks / self.all_blocks(),
+            adders: share(blocks),
+            readers: share(blocks),
             added: part.map(|part| part * added),
             read: (part[0] + part[1]) * read,
         });
@@ -113,7 +115,7 @@ pub struct Torus {
     loads: Vec<Load>,
     ways: Vec<[i32; 3]>,
     /// Bytes by kind of tick, exchange and way.
-    bytes: Vec<Vec<Vec<f32>>>,
+    bytes: Vec<Vec<Vec<Option<f32>>>>,
     /// Where a rank is, and who is there.
     cells: Vec<u32>,
     ranks: Vec<u32>,
@@ -168,7 +170,8 @@ impl Ranks for Torus {
             if to as usize == rank {
                 continue;
             }
-            let bytes = exchange.map_or(0.0, |exchange| self.bytes[kind][exchange][way]);
+            let bytes = exchange.map_or(Some(0.0), |exchange| self.bytes[kind][exchange][way]);
+            let Some(bytes) = bytes else { continue };
             // what goes to the same rank in several directions is one message
             match messages.iter_mut().find(|message| message.to == to) {
                 Some(message) => message.bytes += bytes,
