@@ -23,7 +23,8 @@ use std::time::{Duration, Instant};
 ///
 /// Runs `sinew run` with a trace for each combination of --patches, --threads and --ranks, and prints a table; then
 /// simulates steps of the scene on growing numbers of ranks of a cluster, with the costs of work measured here and a network
-/// that --network describes, and compares the model of this machine with the table.
+/// that --network describes, and compares the model of this machine with the table. The simulation goes through the same order
+/// of work and messages as a run; with run.rates = "per-material" through the ticks of the step that the scene has at rest.
 ///
 /// Columns. ms/step, median: the best and the median of the repetitions, without the first steps. effic.: particle updates a
 /// second and worker (thread of a rank) over those of the row with the fewest workers and patches. cuts %: time over that of

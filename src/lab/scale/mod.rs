@@ -2,7 +2,7 @@
 //!
 //! [`measure`] runs `sinew run` and reads its traces; [`calibrate`] makes [`model::Costs`] of traces; [`footprint`] and
 //! [`torus`] say what ranks do and send in the ticks of a [`step`], from the scene or for ranks that all look the same;
-//! [`replay`] goes through the engine's [`order`] of these ticks on a [`model::Cluster`], and [`predict`] says what came out.
+//! `replay` goes through the engine's [`order`] of these ticks on a [`model::Cluster`], and [`predict`] says what came out.
 pub mod calibrate;
 pub mod footprint;
 pub mod list;
