@@ -1,6 +1,7 @@
 //! The steps that materials would take if the run began now: an estimate from the scene alone.
 use bytemuck::Zeroable;
 use engine::data::rates::{Clock, MaterialStep};
+use engine::data::schedule::Schedule;
 use physics::law::Law;
 use physics::materials::WithLaw;
 use scene::{Behavior, Rates, RigidMotion, Scene};
@@ -31,9 +32,7 @@ pub struct StepAtRest {
 
 /// Steps at rest: undeformed, c² = (K + 4/3 μ)/ρ₀, with the velocities of the bodies. A run decides anew each step.
 pub fn at_rest(scene: &Scene) -> Cycle {
-    let speeds: Vec<[f64; 2]> = (0..scene.materials.len()).map(|m| speeds(scene, m)).collect();
-    let lines: Vec<[Wide; 3]> =
-        speeds.iter().map(|[c, v]| [c + v, *c, *v].map(|speed| Wide([speed; LANES]))).collect();
+    let (speeds, lines) = signals(scene);
     let mut clock = Clock { until: scene.run.until, ..Clock::zeroed() };
     let mut steps = vec![MaterialStep::zeroed(); speeds.len()];
     recipes::timestep_size(scene).decide(&mut clock, &mut steps, &lines);
@@ -45,6 +44,30 @@ pub fn at_rest(scene: &Scene) -> Cycle {
         Rates::PerMaterial { most } => Some(most),
     };
     Cycle { most, tick: clock.tick, fastest, own: own.collect() }
+}
+
+/// The ticks of a step at rest, in order: who acts in each.
+pub fn ticks_at_rest(scene: &Scene) -> Vec<Schedule> {
+    let (_, lines) = signals(scene);
+    let (size, mut ticks) = (recipes::timestep_size(scene), Vec::new());
+    let mut clock = Clock { until: scene.run.until, ..Clock::zeroed() };
+    let mut steps = vec![MaterialStep::zeroed(); lines.len()];
+    loop {
+        size.decide(&mut clock, &mut steps, &lines);
+        ticks.push(Schedule::at(&clock, &steps));
+        clock.number += 1.0;
+        if clock.number >= clock.last {
+            return ticks;
+        }
+    }
+}
+
+/// Speeds of all materials at rest, and as [`recipes::timestep_size`] wants them.
+fn signals(scene: &Scene) -> (Vec<[f64; 2]>, Vec<[Wide; 3]>) {
+    let speeds: Vec<[f64; 2]> = (0..scene.materials.len()).map(|m| speeds(scene, m)).collect();
+    let line = |[c, v]: &[f64; 2]| [c + v, *c, *v].map(|speed| Wide([speed; LANES]));
+    let lines = speeds.iter().map(line).collect();
+    (speeds, lines)
 }
 
 /// The speed of sound at rest, and of the fastest body [m/s].

@@ -2,15 +2,15 @@
 use super::args::overrides;
 use super::fail::Failure;
 use engine::exec::ranks::launch::cores;
-use scene::{Rates, Scene};
-use sinew::lab::scale::field::Field;
+use scene::Scene;
+use sinew::lab::scale::footprint::Footprint;
 use sinew::lab::scale::list::{self, MOST, Patches};
 use sinew::lab::scale::measure::{self, Plan};
-use sinew::lab::scale::model::{Cluster, Costs, KEYS};
+use sinew::lab::scale::model::{Cluster, KEYS, Setup};
 use sinew::lab::scale::ping::Ping;
-use sinew::lab::scale::predict::Setup;
 use sinew::lab::scale::report::Report;
 use sinew::lab::scale::row::{self, Row};
+use sinew::lab::scale::step::Step;
 use sinew::lab::scale::tally::Tally;
 use sinew::lab::scale::validate::{largest, validate};
 use sinew::lab::scale::{calibrate, series, table};
@@ -23,7 +23,8 @@ use std::time::{Duration, Instant};
 ///
 /// Runs `sinew run` with a trace for each combination of --patches, --threads and --ranks, and prints a table; then
 /// simulates steps of the scene on growing numbers of ranks of a cluster, with the costs of work measured here and a network
-/// that --network describes, and compares the model of this machine with the table.
+/// that --network describes, and compares the model of this machine with the table. The simulation goes through the same order
+/// of work and messages as a run; with run.rates = "per-material" through the ticks of the step that the scene has at rest.
 ///
 /// Columns. ms/step, median: the best and the median of the repetitions, without the first steps. effic.: particle updates a
 /// second and worker (thread of a rank) over those of the row with the fewest workers and patches. cuts %: time over that of
@@ -83,7 +84,8 @@ pub struct Args {
     /// Most ranks of the weak prediction
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     most_ranks: usize,
-    /// Steps that are simulated for each number of ranks; the first does not count
+    /// Ticks that are simulated at least for each number of ranks, in whole steps; the first step does not count. Where
+    /// materials take steps of their own, a step has many ticks, and --most-ranks 10000 keeps the time of a prediction short
     #[arg(long, value_name = "N", default_value_t = 4)]
     ticks: usize,
     /// Folder for the results (default: scaling/NAME)
@@ -249,50 +251,56 @@ fn predict(
     tallies: &[Option<Tally>],
     report: &mut Report,
 ) -> Result<(), Failure> {
-    if scene.run.rates != Rates::Common {
-        return Err(Failure::usage(
-            "the model knows steps that all materials take together: add --set run.rates=common, or --measure-only",
-        ));
-    }
     let graph = step_graph(scene, 1).map_err(|error| Failure::Run(error.to_string()))?;
     let read = reader(args);
     let mut costs = calibrate::calibrate(plan, &read, &graph, &mut say(args)).map_err(Failure::Run)?;
     costs.pack = calibrate::pack(tallies).unwrap_or(costs.pack);
-    let field = Field::of(scene).map_err(Failure::usage)?;
+    let footprint = Footprint::of(scene).map_err(Failure::usage)?;
+    let step = Step::of(scene, &graph);
+    let (threads, steps) = (args.rank_threads, steps(args.ticks, step.ticks.len()));
+    let mut setup = Setup { step: &step, costs, cluster, threads, steps };
     // with --weak the rows are other scenes
-    let fitted = if args.weak { None } else { fit(&report.rows, tallies, &mut costs, &field) };
-    report.reduced_bytes = calibrate::reduced_bytes(scene, &graph.at_end);
+    let fitted = if args.weak { None } else { fit(&report.rows, tallies, &mut setup, &footprint)? };
+    report.reduced_bytes = step.each().filter_map(|tick| tick.reduced.last()).fold(0.0, |a, &b| b.max(a));
     println!("\nmodel          of {}", report.machine);
-    print!("{costs}");
-    let mut setup = Setup {
-        costs: costs.clone(),
-        cluster,
-        threads: args.rank_threads,
-        reduced: report.reduced_bytes,
-        ticks: args.ticks,
-    };
+    print!("{}", setup.costs);
+    if step.ticks.len() > 1 {
+        println!(
+            "rates          a step has {} ticks at rest; a run decides anew each step",
+            step.ticks.len()
+        );
+    }
     if !report.rows.is_empty() && !args.weak {
         let here = here(plan);
         let own = Setup { cluster: here, ..setup.clone() };
         let level = layout::level(scene);
         report.checks =
-            validate(&field, &level, &report.rows, &own, (fitted, cores_here())).map_err(Failure::Run)?;
+            validate(&footprint, &level, &report.rows, &own, (fitted, cores_here())).map_err(Failure::Run)?;
         report.here = Some(here);
         show_checks(report, here);
     }
-    setup.cluster = cluster;
-    series(args, &field, &setup, report)?;
-    (report.costs, report.cluster, report.threads) = (Some(costs), Some(cluster), args.rank_threads);
+    series(args, &footprint, &setup, report)?;
+    (report.costs, report.cluster, report.threads) = (Some(setup.costs), Some(cluster), args.rank_threads);
     Ok(())
 }
 
+/// Steps of so many ticks that are simulated for `ticks` ticks: a second one, if the first does not count.
+fn steps(ticks: usize, each: usize) -> usize {
+    if ticks > 1 { ticks.div_ceil(each).max(2) } else { 1 }
+}
+
 /// Fits what sharing memory costs to the first row on several workers; returns which that is.
-fn fit(rows: &[Row], tallies: &[Option<Tally>], costs: &mut Costs, field: &Field) -> Option<usize> {
+fn fit(
+    rows: &[Row],
+    tallies: &[Option<Tally>],
+    setup: &mut Setup<'_>,
+    footprint: &Footprint,
+) -> Result<Option<usize>, Failure> {
     let several = |number: &usize| (2..=cores_here()).contains(&rows[*number].workers());
     let tally = |number: usize| Some((number, tallies.get(number)?.as_ref()?));
-    let (fitted, tally) = (0..rows.len()).filter(several).find_map(tally)?;
-    costs.contention = calibrate::contention(tally, costs, field);
-    Some(fitted)
+    let Some((fitted, tally)) = (0..rows.len()).filter(several).find_map(tally) else { return Ok(None) };
+    setup.costs.contention = calibrate::contention(tally, setup, footprint).map_err(Failure::Run)?;
+    Ok(Some(fitted))
 }
 
 /// Cores of this machine.
@@ -352,22 +360,22 @@ fn show_checks(report: &Report, here: Cluster) {
     }
 }
 
-fn series(args: &Args, field: &Field, setup: &Setup, report: &mut Report) -> Result<(), Failure> {
-    report.strong = series::strong(field, setup, args.most_ranks).map_err(Failure::usage)?;
+fn series(args: &Args, footprint: &Footprint, setup: &Setup<'_>, report: &mut Report) -> Result<(), Failure> {
+    report.strong = series::strong(footprint, setup, args.most_ranks).map_err(Failure::usage)?;
     let threads = args.rank_threads;
     println!(
         "\nprediction     ranks of {threads} threads, each core as those of this machine, {:.1} kB a reduction",
-        { 1e-3 * setup.reduced }
+        1e-3 * report.reduced_bytes
     );
     print!("{}", setup.cluster);
     println!("\nstrong: {} as it is, on as many ranks as it has patches\n", report.scene);
     print!("{}", table::predicted(&report.strong));
     // a run cuts eight patches a thread
-    let brick = field.brick(8.0);
+    let brick = footprint.brick(8.0);
     println!(
         "\nweak: {:.0} particles in {:.0} blocks a worker, in a torus of ranks that look the same\n",
         brick.particles.iter().sum::<f64>(),
-        brick.blocks
+        brick.all_blocks()
     );
     report.weak_points = series::weak(&brick, setup, args.most_ranks);
     print!("{}", table::predicted(&report.weak_points));

@@ -51,6 +51,11 @@ impl Schedule {
         self.steps.fill(MaterialStep { last: 1.0, ..bytemuck::Zeroable::zeroed() });
     }
 
+    /// The tick that a clock is at, in steps of materials.
+    pub fn at(clock: &Clock, steps: &[MaterialStep]) -> Self {
+        Self { tick: clock.number, size: clock.tick, steps: steps.to_vec() }
+    }
+
     /// Takes over what the labels of clock and steps say.
     pub fn read(&mut self, rates: Rates, shared: &Shared) {
         let clock: Clock = shared.get(rates.clock, 0);

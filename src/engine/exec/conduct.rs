@@ -2,6 +2,7 @@
 use super::Engine;
 use super::backend::Purpose;
 use super::meter::What;
+use super::order::{self, Op};
 use super::ranks::{Network, NetworkError};
 use super::relocate::Relocation;
 use super::traveler::Traveler;
@@ -139,7 +140,7 @@ impl Engine {
         conductor: &mut C,
     ) -> Result<(), C::Error> {
         self.run(graph, warehouse, network)?;
-        if !graph.moves_particles() {
+        if order::end(graph) == [Op::ReduceAtEnd] {
             self.reduce(None, &graph.at_end, &mut warehouse.shared, network)?;
             return conductor.ran(graph, warehouse, &Relocation::default());
         }

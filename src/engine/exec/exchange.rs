@@ -53,9 +53,11 @@ impl<'a> Exchanges<'a> {
                 self.halos.send_values((&mut *self.network, channel), exchange, &call.context, from)
             }
         };
-        let event = Event::halo(exchange.from.unwrap_or(exchange.to));
         self.backend.upload(Purpose::Exchange(exchange), data);
-        call.watch.trace.record(0, began, event.sent(messages, lines * size_of::<Wide>()));
+        if messages > 0 {
+            let event = Event::halo(exchange.from.unwrap_or(exchange.to)).of_exchange(number);
+            call.watch.trace.record(0, began, event.sent(messages, lines * size_of::<Wide>()));
+        }
     }
 
     /// Takes in what has arrived of an exchange; waits for the rest if there is nothing else to do. Returns whether all is here.
@@ -74,7 +76,7 @@ impl<'a> Exchanges<'a> {
         }
         let (exchange, began) = (&self.all[number], call.watch.trace.now());
         let channel = Channel::Halo(number as u16);
-        let mut at = 0;
+        let (mut at, before) = (0, self.outstanding.len());
         while at < self.outstanding.len() {
             let (which, rank) = self.outstanding[at];
             let message = match (which == number, wait) {
@@ -102,7 +104,10 @@ impl<'a> Exchanges<'a> {
             self.backend.upload(Purpose::Exchange(exchange), data);
             self.network.give_back(message);
         }
-        call.watch.trace.record(0, began, Event::halo(exchange.to));
+        // who only looked has not waited
+        if self.outstanding.len() < before {
+            call.watch.trace.record(0, began, Event::halo(exchange.to).of_exchange(number));
+        }
         Ok(!self.outstanding.iter().any(|(exchange, _)| *exchange == number))
     }
 }

@@ -62,6 +62,11 @@ pub fn segments(graph: &TaskGraph) -> impl Iterator<Item = Segment> + '_ {
 /// The end of a tick that moves particles.
 pub const END: [Op; 3] = [Op::SendTravelers, Op::ReceiveTravelers, Op::ReduceAtEnd];
 
+/// What follows the last piece of a tick.
+pub fn end(graph: &TaskGraph) -> &'static [Op] {
+    if graph.moves_particles() { &END } else { &[Op::ReduceAtEnd] }
+}
+
 /// What happens in a wave.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Wave {

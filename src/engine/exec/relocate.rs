@@ -181,7 +181,7 @@ impl Relocation {
         let began = trace.now();
         let messages = beside.iter().map(|beside| network.receive(beside.rank, Channel::Travelers));
         let messages = messages.collect::<Result<Vec<_>, _>>()?;
-        trace.record(0, began, Event::reduction(None));
+        trace.record(0, began, Event::travelers());
         messages.iter().for_each(|message| self.take_in(warehouse, unpack(message), counters));
         let known = |t: &Traveler| warehouse.is_occupied(t.material, t.position);
         counters[NEWS] = u64::from(self.news || !self.arriving.iter().all(known));

@@ -251,8 +251,8 @@ impl Engine {
 
     /// Runs a phase that has no place. All ranks do, with the same result; what it adds to sums counts on the first alone.
     fn once(&mut self, graph: &TaskGraph, phase: usize, warehouse: &mut Warehouse, rank: usize) {
-        let (isa, metered) = (self.isa, self.metered);
-        let Self { scratch, schedule, buffers, .. } = self;
+        let (isa, metered, began) = (self.isa, self.metered, self.trace.now());
+        let Self { scratch, schedule, buffers, trace, .. } = self;
         let phase = &graph.phases[phase];
         let (context, shared, _) = context(graph, warehouse, (isa, schedule, buffers));
         begin(phase, schedule, shared);
@@ -262,6 +262,7 @@ impl Engine {
             true => once_for_all::<true>(&context, stage, shared, scratch, rank),
             false => once_for_all::<false>(&context, stage, shared, scratch, rank),
         }
+        trace.record(0, began, Event::stage(stage));
     }
 
     /// Runs phases that may follow one another layer by layer.

@@ -45,6 +45,9 @@ impl Kind {
 /// Stands for all, for none, or for the end of a tick.
 pub const NONE: u32 = u32::MAX;
 
+/// Stands for particles that come from other ranks, among messages.
+pub const TRAVELERS: u32 = NONE - 1;
+
 /// A piece of a worker's time. Events of one worker do not overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
@@ -56,8 +59,10 @@ pub struct Event {
     pub material: u32,
     /// The patch, or [`NONE`].
     pub patch: u32,
-    /// The first layer of blocks of the slab, or [`NONE`].
+    /// The first layer of blocks of the slab, or [`NONE`]: the rim.
     pub slab: u32,
+    /// Number of the exchange, [`TRAVELERS`] or [`NONE`].
+    pub message: u32,
     /// Messages sent.
     pub messages: u32,
     /// Bytes sent.
@@ -72,9 +77,9 @@ pub struct Event {
 
 impl Event {
     fn new(kind: Kind, place: u32) -> Self {
-        let (material, patch, slab) = (NONE, NONE, NONE);
+        let [material, patch, slab, message] = [NONE; 4];
         let (messages, bytes, step, start, duration) = (0, 0, 0, 0, 0);
-        Self { kind, place, material, patch, slab, messages, bytes, step, start, duration }
+        Self { kind, place, material, patch, slab, message, messages, bytes, step, start, duration }
     }
 
     /// The tasks of a stage.
@@ -91,6 +96,11 @@ impl Event {
     /// The reductions before a phase, or at the end of a tick.
     pub fn reduction(phase: Option<usize>) -> Self {
         Self::new(Kind::ReduceWait, phase.map_or(NONE, |phase| phase as u32))
+    }
+
+    /// Waiting for particles that come from other ranks.
+    pub fn travelers() -> Self {
+        Self { message: TRAVELERS, ..Self::reduction(None) }
     }
 
     /// Waiting until the other workers of the rank have done a stage.
@@ -113,6 +123,11 @@ impl Event {
         Self { slab: layer as u32, ..self }
     }
 
+    /// The same, for an exchange.
+    pub fn of_exchange(self, number: usize) -> Self {
+        Self { message: number as u32, ..self }
+    }
+
     /// The same, with what was sent.
     pub fn sent(self, messages: usize, bytes: usize) -> Self {
         Self { messages: messages as u32, bytes: bytes as u64, ..self }
@@ -120,7 +135,7 @@ impl Event {
 
     /// Whether `next` is more of the same, begun as soon as this ended.
     fn goes_on_with(&self, next: &Event, start: u64) -> bool {
-        let what = |e: &Event| (e.kind, e.place, e.material, e.patch, e.slab);
+        let what = |e: &Event| (e.kind, e.place, e.material, e.patch, e.slab, e.message);
         what(self) == what(next) && start.saturating_sub(self.start + self.duration) < JOINED
     }
 
@@ -130,7 +145,8 @@ impl Event {
         [
             two(self.kind as u32, self.place),
             two(self.material, self.patch),
-            two(self.slab, self.messages),
+            two(self.slab, self.message),
+            u64::from(self.messages),
             self.bytes,
             self.step,
             self.start,
@@ -140,15 +156,15 @@ impl Event {
 
     /// From numbers of [`Event::to_words`]; `None` for others.
     pub fn from_words(words: &[u64]) -> Option<Self> {
-        let &[a, b, c, bytes, step, start, duration] = words else { return None };
+        let &[a, b, c, messages, bytes, step, start, duration] = words else { return None };
         let two = |word: u64| ((word >> 32) as u32, word as u32);
-        let ((kind, place), (material, patch), (slab, messages)) = (two(a), two(b), two(c));
-        let kind = *Kind::ALL.get(kind as usize)?;
-        Some(Self { kind, place, material, patch, slab, messages, bytes, step, start, duration })
+        let ((kind, place), (material, patch), (slab, message)) = (two(a), two(b), two(c));
+        let (kind, messages) = (*Kind::ALL.get(kind as usize)?, messages as u32);
+        Some(Self { kind, place, material, patch, slab, message, messages, bytes, step, start, duration })
     }
 
     /// Numbers of an event.
-    pub const WORDS: usize = 7;
+    pub const WORDS: usize = 8;
 }
 
 /// The events of one worker.
@@ -163,7 +179,7 @@ pub struct Track {
 /// Gaps that are not worth an event [ns].
 const JOINED: u64 = 2_000;
 
-/// Events that a worker may record, if nobody says otherwise: 72 bytes each.
+/// Events that a worker may record, if nobody says otherwise: 80 bytes each.
 pub const BOUND: usize = 1 << 18;
 
 /// Records what the workers of a rank do.
@@ -265,12 +281,12 @@ mod tests {
 
     #[test]
     fn events_survive_the_way_to_another_rank() {
-        let event = Event::halo(3).on_patch(7).on_slab(2).sent(5, 1 << 40);
+        let event = Event::halo(3).of_exchange(1).on_patch(7).on_slab(2).sent(5, 1 << 40);
         let event = Event { step: 9, start: 1 << 50, duration: 17, ..event };
         assert_eq!(Event::from_words(&event.to_words()), Some(event));
         let kinds = Kind::ALL.map(Event::other);
         assert!(kinds.iter().all(|event| Event::from_words(&event.to_words()) == Some(*event)));
-        assert_eq!(Event::from_words(&[9 << 32, 0, 0, 0, 0, 0, 0]), None, "there is no such kind");
+        assert_eq!(Event::from_words(&[9 << 32, 0, 0, 0, 0, 0, 0, 0]), None, "there is no such kind");
         assert_eq!(Event::from_words(&[0; 3]), None);
     }
 

@@ -1,5 +1,6 @@
 //! Counts what patches and ranks send each other: from the blocks as they are, nothing is sent.
 use super::halo::{back, overlap};
+use super::ranks::collective::{self, Act};
 use super::ranks::occupied::beside;
 use crate::data::extent;
 use crate::data::nodes::{NOWHERE, is_there};
@@ -134,14 +135,13 @@ fn neighbors(decomposition: &Decomposition, rank_of: &[usize], ranks: usize) -> 
     (0..ranks).flat_map(|rank| seen(rank).map(move |other| (rank, other.rank))).collect()
 }
 
-/// Messages of `ranks::collective::reduce`, in the order of its rounds.
+/// Messages of `ranks::collective::reduce`.
 fn reduction(ranks: usize) -> Vec<(usize, usize)> {
-    let whole = 1 << ranks.ilog2();
-    let extra = ranks - whole;
-    let mut messages: Vec<_> = (0..extra).map(|rank| (whole + rank, rank)).collect();
-    for bit in 0..whole.ilog2() {
-        messages.extend((0..whole).map(|rank| (rank, rank ^ 1 << bit)));
-    }
-    messages.extend((0..extra).map(|rank| (rank, whole + rank)));
-    messages
+    let sent = |rank| {
+        collective::acts(rank, ranks).filter_map(move |act| match act {
+            Act::Send(to) => Some((rank, to)),
+            Act::Merge(_) | Act::Take(_) => None,
+        })
+    };
+    (0..ranks).flat_map(sent).collect()
 }

@@ -3,7 +3,7 @@ use super::Executor;
 use super::backend::Call;
 use super::scratch::Scratch;
 use super::stage;
-use super::trace::{Event, Kind, Recorder};
+use super::trace::{Event, Kind, NONE, Recorder};
 use crate::data::layout::NodeLayout;
 use crate::data::nodes::NodeBlock;
 use crate::data::particles::ParticleBlock;
@@ -32,10 +32,10 @@ impl Watch<'_> {
     }
 
     /// It has done so; what it took, if that is weighed [ns].
-    fn end(&self, (traced, began): (u64, Option<Instant>), worker: usize, stage: &Stage, slab: usize) -> u64 {
+    fn end(&self, (traced, began): (u64, Option<Instant>), worker: usize, stage: &Stage, slab: u32) -> u64 {
         let took = began.map_or(0, |began| began.elapsed().as_nanos() as u64);
         if self.trace.is_on() {
-            self.trace.record_on(worker, traced, Event::stage(stage).on_slab(slab));
+            self.trace.record_on(worker, traced, Event { slab, ..Event::stage(stage) });
         }
         took
     }
@@ -57,6 +57,14 @@ impl Which<'_> {
     pub fn layers(&self) -> Range<i32> {
         let (Which::All(layers) | Which::Interior(layers) | Which::Rim(layers)) = self;
         (*layers).clone()
+    }
+
+    /// The slab's first layer, counted from the level's first, as traces have it.
+    fn slab(&self, first: i32) -> u32 {
+        match self {
+            Which::All(layers) | Which::Interior(layers) => (layers.start - first) as u32,
+            Which::Rim(_) => NONE,
+        }
     }
 
     /// Whether the part has a block of which `rim` says whether it is one of the rim.
@@ -84,7 +92,7 @@ pub fn over_nodes<E: Executor>(
     let ends = |block: &NodeBlock| all || block.present.iter().any(|&f| schedule.ends(fields.material(f)));
     let mut items = recycle(std::mem::take(&mut memory.nodes));
     let (layers, began) = (which.layers(), watch.trace.now());
-    let slab = (layers.start - data.first_layer) as usize;
+    let slab = which.slab(data.first_layer);
     for (nodes, patch) in mine(data.nodes, data.decomposition, data.partition) {
         let blocks = nodes.slab_mut(patch.blocks.lower[0], &layers);
         items.extend(blocks.iter_mut().filter(|block| ends(block) && which.has(|| block.rim)));
@@ -113,7 +121,7 @@ pub fn over_particles<E: Executor>(
     let Call { context, scratch, memory, metered, watch } = call;
     let mut items = recycle(std::mem::take(&mut memory.particles));
     let (layers, began) = (which.layers(), watch.trace.now());
-    let slab = (layers.start - data.first_layer) as usize;
+    let slab = which.slab(data.first_layer);
     for (homes, patch) in mine(data.particles, data.decomposition, data.partition) {
         // stages of a phase come in the order of their materials
         let mut homes = homes.iter_mut().enumerate();

@@ -1,20 +1,18 @@
 //! Costs of the model, from short runs on this machine.
-use super::field::Field;
+use super::footprint::Footprint;
 use super::list::Patches;
+use super::load::Ranks;
 use super::measure::{Plan, Reader, measure, resized};
-use super::model::Costs;
+use super::model::{Costs, PhaseCost, Setup};
+use super::predict;
 use super::tally::{Rank, Tally};
 use engine::data::reduction;
 use engine::exec::{Executor, Threads};
 use engine::graph::build::TaskGraph;
-use engine::graph::phase::When;
+use engine::graph::phase::Phase;
 use engine::graph::task::Domain;
-use engine::graph::traffic::Traffic;
-use engine::schema::Combine;
-use engine::schema::LabelId;
-use scene::Scene;
+use engine::schema::{Combine, LabelId};
 use simd::Wide;
-use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -25,7 +23,11 @@ const MANY: usize = 64;
 /// Cells of the run that shows what blocks cost, over those of the scene.
 const COARSER: f64 = 2.0;
 
-/// Costs from three runs on one worker: on one patch, on many, and on coarser cells.
+/// Every tick is a step of all materials.
+const TOGETHER: &str = "run.rates=common";
+
+/// Costs from three runs on one worker: on one patch, on many, and on coarser cells. All materials act in each of their
+/// ticks: what acts alone costs the same.
 ///
 /// # Errors
 /// A run that failed.
@@ -37,7 +39,7 @@ pub fn calibrate(
 ) -> Result<Costs, String> {
     let scene = read(&[])?;
     let mut run = |patches: usize, set: Option<String>| -> Result<(Tally, usize), String> {
-        let set = plan.set.iter().cloned().chain(set).collect();
+        let set = plan.set.iter().cloned().chain([TOGETHER.to_owned()]).chain(set).collect();
         let (threads, ranks) = (vec![1], vec![1]);
         let own =
             Plan { patches: vec![Patches::Total(patches)], threads, ranks, weak: false, set, ..plan.clone() };
@@ -48,22 +50,23 @@ pub fn calibrate(
             (_, row) => Err(row.and_then(|row| row.error).unwrap_or_default()),
         }
     };
-    let field = Field::of(&scene)?;
+    let footprint = Footprint::of(&scene)?;
     let (plain, few) = run(1, None)?;
-    let mut costs = tasks(&plain, graph, &field);
+    let mut costs = tasks(&plain, graph, &footprint);
     let (cut, many) = run(MANY, None)?;
     let engine = |tally: &Tally| per_step(tally, |rank| rank.engine() - rank.relocate).max(0.0);
     let more = many.saturating_sub(few).max(1) as f64;
     costs.patch = ((engine(&cut) - engine(&plain)) / more).max(0.0);
     let cell = resized(&scene, 1.0 / COARSER);
-    let coarse = read(&[("domain.cell".to_owned(), cell.to_string())]).and_then(|scene| Field::of(&scene));
+    let coarse =
+        read(&[("domain.cell".to_owned(), cell.to_string())]).and_then(|scene| Footprint::of(&scene));
     // not every scene can have coarser cells: then all of it is the blocks'
-    let slope = coarse.ok().filter(|coarse| coarse.blocks() < field.blocks()).and_then(|coarse| {
+    let slope = coarse.ok().filter(|coarse| coarse.blocks() < footprint.blocks()).and_then(|coarse| {
         let (tally, _) = run(1, Some(format!("domain.cell={cell}"))).ok()?;
-        Some((engine(&plain) - engine(&tally)) / (field.blocks() - coarse.blocks()) as f64)
+        Some((engine(&plain) - engine(&tally)) / (footprint.blocks() - coarse.blocks()) as f64)
     });
     let rest = (engine(&plain) - costs.patch * few as f64).max(0.0);
-    let blocks = field.blocks().max(1) as f64;
+    let blocks = footprint.blocks().max(1) as f64;
     costs.block = slope.unwrap_or(rest / blocks).clamp(0.0, rest / blocks);
     costs.step = rest - costs.block * blocks;
     costs.fork = fork();
@@ -78,31 +81,31 @@ fn per_step(tally: &Tally, part: impl Fn(&Rank) -> f64) -> f64 {
 }
 
 /// What tasks cost, and looking for particles that leave.
-fn tasks(tally: &Tally, graph: &TaskGraph, field: &Field) -> Costs {
-    let mut kinds = BTreeMap::new();
-    for stage in graph.phases.iter().flat_map(|phase| &phase.stages) {
-        let names: Vec<&str> = stage.nodes.iter().map(|&n| graph.graph[n].declaration.name).collect();
-        kinds.insert((names, stage.material), (stage.domain == Domain::Nodes, stage.when == When::End));
-    }
-    let particles = field.particles();
-    let mut costs =
-        Costs { give: vec![0.0; particles.len()], take: vec![0.0; particles.len()], ..Costs::default() };
+fn tasks(tally: &Tally, graph: &TaskGraph, footprint: &Footprint) -> Costs {
+    let phases = graph.phases.iter().enumerate();
+    let phases = phases.map(|(number, phase)| phase_cost(tally, graph, (number, phase), footprint)).collect();
+    let relocate = per_step(tally, |rank| rank.relocate) / footprint.blocks().max(1) as f64;
+    Costs { phases, relocate, ..Costs::default() }
+}
+
+fn phase_cost(
+    tally: &Tally,
+    graph: &TaskGraph,
+    (number, phase): (usize, &Phase),
+    footprint: &Footprint,
+) -> PhaseCost {
     let steps = tally.steps.max(1) as f64;
-    for ((tasks, material), ns) in &tally.stages {
-        let material =
-            material.as_ref().and_then(|m| graph.recipe.materials.iter().position(|name| name == m));
-        let names: Vec<&str> = tasks.iter().map(String::as_str).collect();
-        let ns = ns / steps;
-        match (kinds.get(&(names, material)), material) {
-            (Some((true, _)), _) => costs.node += ns / field.nodes().max(1.0),
-            (Some((_, false)), Some(m)) => costs.give[m] += ns / particles[m].max(1.0),
-            (Some((_, true)), Some(m)) => costs.take[m] += ns / particles[m].max(1.0),
-            // tasks of other graphs
-            _ => {}
+    let ns = |material: Option<&String>| {
+        tally.stages.get(&(number, material.cloned())).map_or(0.0, |ns| ns / steps)
+    };
+    match phase.stages.first().map(|stage| stage.domain) {
+        Some(Domain::Nodes) => PhaseCost::Nodes(ns(None) / footprint.nodes().max(1.0)),
+        Some(Domain::Once) | None => PhaseCost::Once(ns(None)),
+        Some(_) => {
+            let counts = graph.recipe.materials.iter().zip(footprint.particles());
+            PhaseCost::Particles(counts.map(|(name, count)| ns(Some(name)) / count.max(1.0)).collect())
         }
     }
-    costs.relocate = per_step(tally, |rank| rank.relocate) / field.blocks().max(1) as f64;
-    costs
 }
 
 /// Packing as a run on several ranks measured it [ns a byte], if one did.
@@ -113,17 +116,14 @@ pub fn pack(tallies: &[Option<Tally>]) -> Option<f64> {
 }
 
 /// Task time of a run on several workers over what the costs of one worker make of it.
-pub fn contention(several: &Tally, costs: &Costs, field: &Field) -> f64 {
+///
+/// # Errors
+/// A scene that cannot be cut.
+pub fn contention(several: &Tally, setup: &Setup<'_>, footprint: &Footprint) -> Result<f64, String> {
     let tasks: f64 = several.ranks.iter().map(|rank| rank.tasks[1]).sum();
-    let prices = costs.give.iter().zip(&costs.take).map(|(give, take)| give + take);
-    let particles: f64 = field.particles().iter().zip(prices).map(|(count, price)| count * price).sum();
-    let alone = particles + field.nodes() * costs.node;
-    (tasks / several.steps.max(1) as f64 / alone.max(1.0)).max(1.0)
-}
-
-/// Bytes of the reduction of a tick: its labels, and a line of counters.
-pub fn reduced_bytes(scene: &Scene, labels: &[LabelId]) -> f64 {
-    Traffic::none(scene.materials.len()).reduced_bytes(labels) as f64
+    let alone = footprint.ranks(&footprint.usual(1)?, 1, setup)?;
+    let alone: f64 = (0..alone.count()).map(|rank| predict::work(&alone, setup, rank)).sum();
+    Ok((tasks / several.steps.max(1) as f64 / alone.max(1.0)).max(1.0))
 }
 
 /// Handing work to two workers and waiting for them [ns]: the best of many.

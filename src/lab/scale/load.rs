@@ -1,13 +1,18 @@
 //! What the ranks of the model have to do and to send.
-use super::model::Costs;
+use super::model::{PhaseCost, Setup};
+use super::step::Tick;
+use engine::exec::order::Part;
+use engine::exec::wave::GRAIN;
+use engine::graph::exchange::{Exchange, Way};
+use engine::graph::phase::Phase;
+use engine::graph::traffic::LINE;
+use engine::schema::LabelId;
 
-/// The work of a rank in a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The work of a rank in a tick.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Load {
-    /// Tasks on the rim [ns on one worker]: particles to nodes, nodes, nodes to particles.
-    pub rim: [f64; 3],
-    /// The same in the interior.
-    pub inner: [f64; 3],
+    /// Tasks by phase, on the rim and in the interior [ns on one worker].
+    pub work: Vec<[f64; 2]>,
     /// Blocks of particles on the rim and in the interior.
     pub blocks: [f64; 2],
     /// What the engine does before the first task [ns].
@@ -15,94 +20,206 @@ pub struct Load {
     /// Looking for particles that leave [ns].
     pub relocate: f64,
     /// Slabs that the interior is worked on in.
-    pub slabs: f64,
+    pub slabs: usize,
 }
 
-/// What a rank sends to another.
+/// A message.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Edge {
+pub struct Message {
     /// To whom.
     pub to: u32,
-    /// Partial node sums [B]; 0: no message.
-    pub sums: f32,
-    /// Motion of nodes [B]; 0: no message.
-    pub motion: f32,
+    /// Its length [B].
+    pub bytes: f32,
 }
 
-/// The ranks and who is beside whom.
+/// The ranks and who is beside whom. Ticks are known by their kind.
 pub trait Ranks {
     /// How many.
     fn count(&self) -> usize;
 
     /// The work of one of them.
-    fn load(&self, rank: usize) -> Load;
+    fn load(&self, rank: usize, kind: usize) -> &Load;
 
-    /// What it sends to those beside it; each of them gets travelers too.
-    fn edges(&self, rank: usize, edges: &mut Vec<Edge>);
+    /// What it sends in an exchange; `None`: its travelers.
+    fn sends(&self, rank: usize, kind: usize, exchange: Option<usize>, messages: &mut Vec<Message>);
 }
 
-/// Blocks that a slab has at least, for each worker: see `exec::wave`.
-const GRAIN: f64 = 48.0;
+/// Bytes of a message of travelers: they are few, and their number is a line.
+pub const TRAVELERS: f32 = LINE as f32;
 
-/// A rank's counts, before they are costs.
+/// A rank's counts, before they are costs. Pairs are of the rim and of the interior.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counts {
-    /// Particles by material, on the rim and in the interior.
+    /// Particles by material.
     pub particles: Vec<[f64; 2]>,
-    /// Blocks of nodes, once for each material, on the rim and in the interior.
-    pub nodes: [f64; 2],
-    /// Blocks of particles, on the rim and in the interior.
-    pub blocks: [f64; 2],
+    /// Blocks of particles by material.
+    pub blocks: Vec<[f64; 2]>,
+    /// Blocks of nodes, by the materials of the fields that they hold.
+    pub nodes: Vec<(Vec<usize>, [f64; 2])>,
     /// Patches.
     pub patches: f64,
 }
 
-impl Counts {
-    /// All particles.
-    pub fn all(&self) -> f64 {
-        self.particles.iter().flatten().sum()
+/// What passes from a rank to another, of a material.
+#[derive(Clone, Debug, Default)]
+pub struct Passing {
+    /// Fields of the material.
+    pub fields: usize,
+    /// Blocks of particles that add to nodes there.
+    pub adders: f64,
+    /// The nodes that they add to, away from other materials and near them.
+    pub added: [f64; 2],
+    /// Blocks of particles there that read nodes here.
+    pub readers: f64,
+    /// The nodes that they read.
+    pub read: f64,
+}
+
+impl Passing {
+    /// Bytes of an exchange in a tick, of all materials; `None`: there is no message.
+    pub fn bytes(all: &[Self], exchange: &Exchange, tick: &Tick) -> Option<f32> {
+        let acting = || all.iter().enumerate().filter(|(material, _)| tick.sends(exchange, *material));
+        let blocks = acting().map(|(_, passing)| match exchange.way {
+            Way::Partials => passing.adders,
+            Way::Values => passing.readers,
+        });
+        let lines = || acting().map(|(_, passing)| passing.lines(exchange)).sum::<f64>();
+        (blocks.sum::<f64>() > 0.0).then(|| LINE as f32 * lines() as f32)
     }
 
-    /// What it costs, on ranks of `threads` workers.
-    pub fn load(&self, costs: &Costs, threads: usize) -> Load {
-        let part = |part: usize| {
-            let sum = |price: &[f64]| -> f64 {
-                self.particles.iter().zip(price).map(|(count, price)| count[part] * price).sum()
-            };
-            [sum(&costs.give), self.nodes[part] * costs.node, sum(&costs.take)]
-        };
-        let blocks = self.blocks[0] + self.blocks[1];
-        Load {
-            rim: part(0),
-            inner: part(1),
-            blocks: self.blocks,
-            lists: costs.step + costs.block * blocks + costs.patch * self.patches,
-            relocate: costs.relocate * blocks,
-            slabs: (blocks / (GRAIN * threads as f64)).floor().max(1.0),
+    fn lines(&self, exchange: &Exchange) -> f64 {
+        let width = |label: &LabelId| (self.fields * label.width()) as f64;
+        let labels = exchange.labels.iter();
+        match exchange.way {
+            Way::Partials => {
+                let lines = labels.map(|label| {
+                    let far = if label.where_fields_meet() { 0.0 } else { self.added[0] };
+                    width(label) * (far + self.added[1])
+                });
+                // and a line a block that says what follows
+                self.adders + lines.sum::<f64>()
+            }
+            Way::Values => self.read * labels.map(width).sum::<f64>(),
         }
     }
+}
+
+/// What comes to a rank in an exchange.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Coming {
+    /// Messages.
+    pub messages: u32,
+    /// Their bytes.
+    pub bytes: f32,
+}
+
+/// What comes to each rank in a kind of tick, by exchange; travelers are the last.
+pub fn coming<R: Ranks + ?Sized>(ranks: &R, exchanges: usize, kind: usize) -> Vec<Vec<Coming>> {
+    let mut messages = Vec::new();
+    let of = |exchange| {
+        let mut coming = vec![Coming::default(); ranks.count()];
+        for rank in 0..ranks.count() {
+            ranks.sends(rank, kind, exchange, &mut messages);
+            for message in &messages {
+                let to = &mut coming[message.to as usize];
+                *to = Coming { messages: to.messages + 1, bytes: to.bytes + message.bytes };
+            }
+        }
+        coming
+    };
+    (0..exchanges).map(Some).chain([None]).map(of).collect()
+}
+
+impl Load {
+    /// Seconds of a phase on some blocks, `slow` times as slow as they are, as the workers of a rank share them: the last of
+    /// them ends half a block after the mean.
+    pub fn seconds(&self, setup: &Setup<'_>, phase: usize, part: Part, slow: f64) -> f64 {
+        let (costs, workers) = (&setup.costs, setup.threads as f64);
+        let (which, slabs) = match part {
+            Part::Slab(_) | Part::Interior(_) => (1, self.slabs as f64),
+            Part::Rim => (0, 1.0),
+        };
+        if self.work[phase][which] <= 0.0 {
+            return 0.0;
+        }
+        let alone = self.work[phase][which] / slabs * costs.contention * slow;
+        let block = alone * slabs / self.blocks[which].max(1.0);
+        let uneven = match setup.threads {
+            1 => 0.0,
+            _ => costs.fork + 0.5 * block * (workers - 1.0) / workers,
+        };
+        1e-9 * (alone / workers + uneven).min(alone + costs.fork)
+    }
+}
+
+impl Counts {
+    /// What it costs in a tick.
+    pub fn load(&self, setup: &Setup<'_>, tick: &Tick) -> Load {
+        let costs = &setup.costs;
+        let sum = |some: &dyn Fn(usize) -> bool| {
+            let some = self.blocks.iter().enumerate().filter(|(m, _)| some(*m));
+            some.fold([0.0; 2], |sum, (_, blocks)| add(sum, *blocks, 1.0))
+        };
+        let [all, acting, ending] =
+            [sum(&|_| true), sum(&|m| tick.acts(m)), sum(&|m| tick.schedule.ends(m))].map(|it| it[0] + it[1]);
+        // as `exec::wave` does, which cuts between layers
+        let slabs = if 2.0 * acting > all { (all / (GRAIN * setup.threads) as f64) as usize } else { 1 };
+        Load {
+            work: self.work(setup, tick),
+            blocks: sum(&|m| tick.acts(m)),
+            lists: costs.step + costs.block * acting + costs.patch * self.patches,
+            relocate: costs.relocate * ending,
+            slabs: slabs.max(1),
+        }
+    }
+
+    fn work(&self, setup: &Setup<'_>, tick: &Tick) -> Vec<[f64; 2]> {
+        let phases = setup.step.graph.phases.iter().zip(&setup.costs.phases);
+        let one = |(phase, cost): (&Phase, &PhaseCost)| match cost {
+            PhaseCost::Once(ns) => [0.0, *ns],
+            PhaseCost::Particles(ns) => {
+                let acting = self.particles.iter().zip(ns).enumerate().filter(|(m, _)| tick.works(phase, *m));
+                acting.fold([0.0; 2], |sum, (_, (count, ns))| add(sum, *count, *ns))
+            }
+            PhaseCost::Nodes(ns) => {
+                let some = |of: &[usize]| of.iter().any(|&m| tick.works(phase, m));
+                let acting = self.nodes.iter().filter(|(of, _)| some(of));
+                acting.fold([0.0; 2], |sum, (of, count)| add(sum, *count, of.len() as f64 * ns))
+            }
+        };
+        phases.map(one).collect()
+    }
+}
+
+fn add(sum: [f64; 2], more: [f64; 2], factor: f64) -> [f64; 2] {
+    [sum[0] + factor * more[0], sum[1] + factor * more[1]]
 }
 
 /// Ranks that are listed one by one.
 #[derive(Clone, Debug, Default)]
 pub struct Listed {
-    /// Their work.
-    pub loads: Vec<Load>,
-    /// What they send.
-    pub edges: Vec<Vec<Edge>>,
+    /// Their work, by kind of tick and rank.
+    pub loads: Vec<Vec<Load>>,
+    /// What they send, by kind of tick, exchange and rank.
+    pub sends: Vec<Vec<Vec<Vec<Message>>>>,
+    /// Who is in sight of each.
+    pub beside: Vec<Vec<u32>>,
 }
 
 impl Ranks for Listed {
     fn count(&self) -> usize {
-        self.loads.len()
+        self.beside.len()
     }
 
-    fn load(&self, rank: usize) -> Load {
-        self.loads[rank]
+    fn load(&self, rank: usize, kind: usize) -> &Load {
+        &self.loads[kind][rank]
     }
 
-    fn edges(&self, rank: usize, edges: &mut Vec<Edge>) {
-        edges.clear();
-        edges.extend_from_slice(&self.edges[rank]);
+    fn sends(&self, rank: usize, kind: usize, exchange: Option<usize>, messages: &mut Vec<Message>) {
+        messages.clear();
+        match exchange {
+            Some(exchange) => messages.extend_from_slice(&self.sends[kind][exchange][rank]),
+            None => messages.extend(self.beside[rank].iter().map(|&to| Message { to, bytes: TRAVELERS })),
+        }
     }
 }

@@ -1,21 +1,45 @@
 //! What the model of a machine is made of: the costs of a rank's work, and its network.
+use super::step::Step;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
+
+/// What is simulated, but for the ranks.
+#[derive(Clone)]
+pub struct Setup<'a> {
+    /// What happens in a step.
+    pub step: &'a Step<'a>,
+    /// Costs of work.
+    pub costs: Costs,
+    /// The network.
+    pub cluster: Cluster,
+    /// Workers a rank.
+    pub threads: usize,
+    /// Steps; the first one, in which all begin together, is not counted if there are more.
+    pub steps: usize,
+}
+
+/// What the tasks of a phase cost [ns].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PhaseCost {
+    /// All of it, once a tick.
+    Once(f64),
+    /// A particle, by material.
+    Particles(Vec<f64>),
+    /// A block of nodes of one field.
+    Nodes(f64),
+}
 
 /// What the work of a rank costs [ns], on one worker that has the machine to itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Costs {
-    /// A particle's way to the nodes, by material.
-    pub give: Vec<f64>,
-    /// A particle's way back from the nodes, by material.
-    pub take: Vec<f64>,
-    /// A block of nodes of one material.
-    pub node: f64,
+    /// Tasks, phase by phase.
+    pub phases: Vec<PhaseCost>,
     /// What the engine does for a block of particles outside tasks.
     pub block: f64,
     /// What it does for a patch.
     pub patch: f64,
-    /// What it does once a step.
+    /// What it does once a tick.
     pub step: f64,
     /// Looking for particles that leave a block.
     pub relocate: f64,
@@ -51,7 +75,7 @@ pub struct Cluster {
     pub machines: usize,
     /// What the machines below a switch can send over what the switch can pass on.
     pub taper: f64,
-    /// Mean of the random part of the time of a rank's tasks over the rest: exponential, anew each step.
+    /// Mean of the random part of the time of a rank's tasks over the rest: exponential, anew each tick.
     pub noise: f64,
 }
 
@@ -102,6 +126,15 @@ impl Cluster {
             inner_bandwidth: all,
             ..Self::default()
         }
+    }
+
+    /// Factor of the time of a rank's tasks in a tick: the same for the same rank and tick (SplitMix64).
+    pub fn slowness(&self, rank: u64, tick: u64) -> f64 {
+        let mut z = (rank << 20 ^ tick).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        let unit = (((z ^ z >> 31) >> 11) as f64 + 0.5) / (1u64 << 53) as f64;
+        1.0 - self.noise * unit.ln()
     }
 
     /// Sets what `key=value` says, in the units of [`KEYS`].
@@ -169,18 +202,29 @@ impl Display for Cluster {
     }
 }
 
+impl Display for PhaseCost {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Once(ns) => write!(f, "{:.1} us once", 1e-3 * ns),
+            Self::Particles(all) => {
+                let all: Vec<String> = all.iter().map(|ns| format!("{ns:.1}")).collect();
+                write!(f, "{} ns a particle (by material)", all.join("/"))
+            }
+            Self::Nodes(ns) => write!(f, "{ns:.0} ns a block of nodes"),
+        }
+    }
+}
+
 impl Display for Costs {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let list = |all: &[f64]| all.iter().map(|x| format!("{x:.1}")).collect::<Vec<_>>().join("/");
+        let phases: Vec<String> = self.phases.iter().map(ToString::to_string).collect();
         writeln!(
             f,
-            "costs          a particle {} ns to the nodes and {} ns back (by material), a block of nodes {:.0} ns;\n               \
-             the engine: {:.0} ns a block, {:.0} ns a patch, {:.1} us a step, {:.0} ns a block to look for who leaves;\n               \
+            "costs          of the phases: {};\n               \
+             the engine: {:.0} ns a block, {:.0} ns a patch, {:.1} us a tick, {:.0} ns a block to look for who leaves;\n               \
              {:.1} us to hand a slab to several workers; {:.3} ns to pack a byte, {:.3} ns to merge one;\n               \
              tasks take {:.2} times as long while all cores work",
-            list(&self.give),
-            list(&self.take),
-            self.node,
+            phases.join(", "),
             self.block,
             self.patch,
             1e-3 * self.step,

@@ -1,6 +1,7 @@
 //! Predictions for growing numbers of ranks.
-use super::field::Field;
-use super::predict::{Outcome, Setup, Shares, simulate};
+use super::footprint::Footprint;
+use super::model::Setup;
+use super::predict::{Outcome, Shares, simulate};
 use super::torus::{Brick, Torus};
 use super::wires::Cause;
 use serde::Serialize;
@@ -62,18 +63,18 @@ fn limit(outcome: &Outcome) -> &'static str {
 ///
 /// # Errors
 /// A scene that cannot be cut.
-pub fn strong(field: &Field, setup: &Setup, most: usize) -> Result<Vec<Point>, String> {
-    let finest = field.finest()?;
-    let possible = field.occupied(&finest).min(most);
+pub fn strong(footprint: &Footprint, setup: &Setup<'_>, most: usize) -> Result<Vec<Point>, String> {
+    let finest = footprint.finest()?;
+    let possible = footprint.occupied(&finest).min(most);
     let mut points: Vec<Point> = Vec::new();
     let mut ranks = 1;
     while ranks <= possible {
         let mut best: Option<(Outcome, usize)> = None;
-        for patches in [&field.usual(ranks * setup.threads)?, &finest] {
+        for patches in [&footprint.usual(ranks * setup.threads)?, &finest] {
             if patches.patches.len() < ranks {
                 continue;
             }
-            let listed = field.ranks(patches, ranks, &setup.costs, setup.threads)?;
+            let listed = footprint.ranks(patches, ranks, setup)?;
             let outcome = simulate(&listed, setup);
             if best.as_ref().is_none_or(|(other, _)| outcome.step < other.step) {
                 best = Some((outcome, patches.patches.len()));
@@ -81,7 +82,7 @@ pub fn strong(field: &Field, setup: &Setup, most: usize) -> Result<Vec<Point>, S
         }
         let Some((outcome, patches)) = best else { break };
         let mut point = Point::of(ranks, setup.threads, &outcome);
-        (point.patches, point.particles) = (patches, field.particles().iter().sum());
+        (point.patches, point.particles) = (patches, footprint.particles().iter().sum());
         let first = points.first().map_or(point.step_ms, |first: &Point| first.step_ms);
         point.efficiency = first / (ranks as f64 * point.step_ms);
         points.push(point);
@@ -91,11 +92,11 @@ pub fn strong(field: &Field, setup: &Setup, most: usize) -> Result<Vec<Point>, S
 }
 
 /// Ranks that all look like `brick`, which is what one worker has, on growing numbers up to `most`.
-pub fn weak(brick: &Brick, setup: &Setup, most: usize) -> Vec<Point> {
+pub fn weak(brick: &Brick, setup: &Setup<'_>, most: usize) -> Vec<Point> {
     let brick = brick.times(setup.threads);
     let mut points: Vec<Point> = Vec::new();
     for ranks in ladder(most) {
-        let torus = Torus::new(&brick, &setup.costs, ranks, setup.threads);
+        let torus = Torus::new(&brick, setup, ranks);
         let mut point = Point::of(ranks, setup.threads, &simulate(&torus, setup));
         point.patches = (ranks as f64 * brick.patches) as usize;
         point.particles = ranks as f64 * brick.particles.iter().sum::<f64>();

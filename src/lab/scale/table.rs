@@ -3,83 +3,115 @@ use super::row::Row;
 use super::series::Point;
 use super::validate::Check;
 
-/// Columns of measured rows, as CSV and table name them.
-const COLUMNS: [(&str, &str); 18] = [
-    ("patches", "patches"),
-    ("threads", "threads"),
-    ("ranks", "ranks"),
-    ("particles", "particles"),
-    ("step_best_ms", "ms/step"),
-    ("step_median_ms", "median"),
-    ("updates_per_s", "M upd/s"),
-    ("efficiency", "effic."),
-    ("over_decomposition", "cuts %"),
-    ("overhead_ms", "engine ms"),
-    ("bytes_a_rank", "kB/rank"),
-    ("messages_a_rank", "msg/rank"),
-    ("halo_share", "halo %"),
-    ("wait_share", "wait %"),
-    ("idle_share", "idle %"),
-    ("imbalance", "imbal."),
-    ("peak_bytes", "peak MB"),
-    ("state_hash", "state"),
-];
-
-/// The cells of a row as numbers that lose nothing.
-fn exact(row: &Row) -> Vec<String> {
-    let p = &row.parts;
-    let mut cells: Vec<String> = [row.patches, row.threads, row.ranks].map(|n| n.to_string()).into();
-    cells.push(row.particles.to_string());
-    let numbers = [
-        row.step_ms[0],
-        row.step_ms[1],
-        row.updates_per_s,
-        row.efficiency,
-        row.over_decomposition,
-        p.overhead_ms,
-        p.bytes,
-        p.messages,
-        p.halo_share,
-        p.wait_share,
-        p.idle_share,
-        p.imbalance,
-    ];
-    cells.extend(numbers.map(|x| x.to_string()));
-    cells.extend([row.peak_bytes.to_string(), row.state_hash.clone()]);
-    cells
+/// A cell of a table.
+enum Cell {
+    /// As it is.
+    Text(String),
+    /// For people times a factor, with so many digits.
+    Number(f64, f64, usize),
+    /// For people with a power of ten.
+    Large(f64),
 }
 
-/// The same for people.
-fn rounded(row: &Row) -> Vec<String> {
-    let p = &row.parts;
-    let percent = |x: f64| format!("{:.1}", 100.0 * x);
-    let mut cells: Vec<String> = [row.patches, row.threads, row.ranks].map(|n| n.to_string()).into();
-    cells.extend([
-        row.particles.to_string(),
-        format!("{:.3}", row.step_ms[0]),
-        format!("{:.3}", row.step_ms[1]),
-        format!("{:.2}", 1e-6 * row.updates_per_s),
-        format!("{:.3}", row.efficiency),
-        percent(row.over_decomposition),
-        format!("{:.3}", p.overhead_ms),
-        format!("{:.1}", 1e-3 * p.bytes),
-        format!("{:.1}", p.messages),
-        percent(p.halo_share),
-        percent(p.wait_share),
-        percent(p.idle_share),
-        format!("{:.2}", p.imbalance),
-        format!("{:.0}", 1e-6 * row.peak_bytes as f64),
-        row.state_hash.clone(),
-    ]);
-    cells
+impl Cell {
+    /// All that is known.
+    fn exact(&self) -> String {
+        match self {
+            Self::Text(text) => quoted(text),
+            Self::Number(x, ..) | Self::Large(x) => x.to_string(),
+        }
+    }
+
+    /// For people.
+    fn rounded(&self) -> String {
+        match self {
+            Self::Text(text) => text.clone(),
+            Self::Number(x, factor, digits) => format!("{:.digits$}", factor * x),
+            Self::Large(x) => format!("{x:.4e}"),
+        }
+    }
+}
+
+fn count(n: usize) -> Cell {
+    Cell::Text(n.to_string())
+}
+
+fn percent(x: f64) -> Cell {
+    Cell::Number(x, 100.0, 1)
+}
+
+/// A column: its name in CSV, its title, and its cells.
+type Column<T> = (&'static str, &'static str, fn(&T) -> Cell);
+
+const MEASURED: [Column<Row>; 18] = [
+    ("patches", "patches", |row| count(row.patches)),
+    ("threads", "threads", |row| count(row.threads)),
+    ("ranks", "ranks", |row| count(row.ranks)),
+    ("particles", "particles", |row| Cell::Text(row.particles.to_string())),
+    ("step_best_ms", "ms/step", |row| Cell::Number(row.step_ms[0], 1.0, 3)),
+    ("step_median_ms", "median", |row| Cell::Number(row.step_ms[1], 1.0, 3)),
+    ("updates_per_s", "M upd/s", |row| Cell::Number(row.updates_per_s, 1e-6, 2)),
+    ("efficiency", "effic.", |row| Cell::Number(row.efficiency, 1.0, 3)),
+    ("over_decomposition", "cuts %", |row| percent(row.over_decomposition)),
+    ("overhead_ms", "engine ms", |row| Cell::Number(row.parts.overhead_ms, 1.0, 3)),
+    ("bytes_a_rank", "kB/rank", |row| Cell::Number(row.parts.bytes, 1e-3, 1)),
+    ("messages_a_rank", "msg/rank", |row| Cell::Number(row.parts.messages, 1.0, 1)),
+    ("halo_share", "halo %", |row| percent(row.parts.halo_share)),
+    ("wait_share", "wait %", |row| percent(row.parts.wait_share)),
+    ("idle_share", "idle %", |row| percent(row.parts.idle_share)),
+    ("imbalance", "imbal.", |row| Cell::Number(row.parts.imbalance, 1.0, 2)),
+    ("peak_bytes", "peak MB", |row| Cell::Number(row.peak_bytes as f64, 1e-6, 0)),
+    ("state_hash", "state", |row| Cell::Text(row.state_hash.clone())),
+];
+
+const PREDICTED: [Column<Point>; 12] = [
+    ("ranks", "ranks", |point| count(point.ranks)),
+    ("workers", "workers", |point| count(point.workers)),
+    ("particles", "particles", |point| Cell::Large(point.particles)),
+    ("step_ms", "ms/step", |point| Cell::Number(point.step_ms, 1.0, 4)),
+    ("efficiency", "effic.", |point| Cell::Number(point.efficiency, 1.0, 3)),
+    ("compute_share", "compute %", |point| percent(point.shares.compute)),
+    ("engine_share", "engine %", |point| percent(point.shares.engine)),
+    ("halo_share", "halo %", |point| percent(point.shares.halo)),
+    ("travel_share", "travel %", |point| percent(point.shares.travel)),
+    ("reduction_share", "reduce %", |point| percent(point.shares.reduction)),
+    ("imbalance", "imbal.", |point| Cell::Number(point.imbalance, 1.0, 2)),
+    ("limited_by", "limited by", |point| Cell::Text(point.limited_by.clone())),
+];
+
+const CHECKED: [Column<Check>; 9] = [
+    ("", "patches", |check| count(check.patches)),
+    ("", "threads", |check| count(check.threads)),
+    ("", "ranks", |check| count(check.ranks)),
+    ("", "measured ms", |check| Cell::Number(check.measured_ms, 1.0, 3)),
+    ("", "model ms", |check| Cell::Number(check.model_ms, 1.0, 3)),
+    ("", "error %", |check| Cell::Text(format!("{:+.1}", 100.0 * check.error))),
+    ("", "measured kB/rank", |check| Cell::Number(check.measured_bytes, 1e-3, 1)),
+    ("", "model kB/rank", |check| Cell::Number(check.model_bytes, 1e-3, 1)),
+    ("", "", |check| Cell::Text(if check.fitted { "fitted" } else { "" }.to_owned())),
+];
+
+/// Names of columns in CSV.
+fn names<T>(columns: &[Column<T>]) -> String {
+    columns.iter().map(|(name, ..)| *name).collect::<Vec<_>>().join(",")
+}
+
+fn exact<T>(columns: &[Column<T>], row: &T) -> Vec<String> {
+    columns.iter().map(|(.., cell)| cell(row).exact()).collect()
+}
+
+/// Titles and rows for people, of the rows as many cells as `whole` says.
+fn lines<T>(columns: &[Column<T>], rows: &[T], whole: impl Fn(&T) -> usize) -> Vec<String> {
+    let titles = columns.iter().map(|(_, title, _)| (*title).to_owned()).collect();
+    let cells = |row: &T| columns[..whole(row)].iter().map(|(.., cell)| cell(row).rounded()).collect();
+    aligned(&[titles].into_iter().chain(rows.iter().map(cells)).collect::<Vec<_>>())
 }
 
 /// The measured rows as CSV, errors in the last column.
 pub fn csv(rows: &[Row]) -> String {
-    let names: Vec<&str> = COLUMNS.iter().map(|(name, _)| *name).chain(["error"]).collect();
-    let mut out = names.join(",") + "\n";
+    let mut out = names(&MEASURED) + ",error\n";
     for row in rows {
-        let mut cells = exact(row);
+        let mut cells = exact(&MEASURED, row);
         if row.error.is_some() {
             cells[3..].fill(String::new());
         }
@@ -100,19 +132,10 @@ fn quoted(text: &str) -> String {
 
 /// The measured rows as a table.
 pub fn text(rows: &[Row]) -> String {
-    let mut lines = vec![COLUMNS.map(|(_, name)| name.to_owned()).to_vec()];
-    lines.extend(rows.iter().map(|row| match &row.error {
-        None => rounded(row),
-        Some(_) => rounded(row)[..3].to_vec(),
-    }));
-    let mut out = String::new();
-    for (n, line) in aligned(&lines).into_iter().enumerate() {
-        let error = n.checked_sub(1).and_then(|n| rows[n].error.as_ref());
-        out += &line;
-        out += &error.map_or(String::new(), |error| format!("  failed: {error}"));
-        out += "\n";
-    }
-    out
+    let whole = |row: &Row| if row.error.is_none() { MEASURED.len() } else { 3 };
+    let errors = [None].into_iter().chain(rows.iter().map(|row| row.error.as_ref()));
+    let error = |error: Option<&String>| error.map_or(String::new(), |error| format!("  failed: {error}"));
+    lines(&MEASURED, rows, whole).into_iter().zip(errors).map(|(line, it)| line + &error(it) + "\n").collect()
 }
 
 /// Cells in columns, to the right.
@@ -128,100 +151,21 @@ fn aligned(lines: &[Vec<String>]) -> Vec<String> {
     lines.iter().map(line).collect()
 }
 
-const PREDICTED: [&str; 12] = [
-    "ranks",
-    "workers",
-    "particles",
-    "ms/step",
-    "effic.",
-    "compute %",
-    "engine %",
-    "halo %",
-    "travel %",
-    "reduce %",
-    "imbal.",
-    "limited by",
-];
-
 /// Predictions as a table.
 pub fn predicted(points: &[Point]) -> String {
-    let mut lines = vec![PREDICTED.map(str::to_owned).to_vec()];
-    lines.extend(points.iter().map(|point| {
-        let percent = |x: f64| format!("{:.1}", 100.0 * x);
-        let s = &point.shares;
-        vec![
-            point.ranks.to_string(),
-            point.workers.to_string(),
-            format!("{:.4e}", point.particles),
-            format!("{:.4}", point.step_ms),
-            format!("{:.3}", point.efficiency),
-            percent(s.compute),
-            percent(s.engine),
-            percent(s.halo),
-            percent(s.travel),
-            percent(s.reduction),
-            format!("{:.2}", point.imbalance),
-            point.limited_by.clone(),
-        ]
-    }));
-    aligned(&lines).join("\n") + "\n"
+    lines(&PREDICTED, points, |_| PREDICTED.len()).join("\n") + "\n"
 }
 
 /// Predictions as CSV.
 pub fn predicted_csv(strong: &[Point], weak: &[Point]) -> String {
-    let mut out = "scaling,ranks,workers,particles,step_ms,efficiency,compute_share,engine_share,halo_share,\
-                   travel_share,reduction_share,imbalance,limited_by\n"
-        .to_owned();
-    for (kind, point) in strong.iter().map(|p| ("strong", p)).chain(weak.iter().map(|p| ("weak", p))) {
-        let s = &point.shares;
-        let numbers = [
-            point.particles,
-            point.step_ms,
-            point.efficiency,
-            s.compute,
-            s.engine,
-            s.halo,
-            s.travel,
-            s.reduction,
-            point.imbalance,
-        ];
-        let numbers = numbers.map(|x| x.to_string()).join(",");
-        out += &format!("{kind},{},{},{numbers},{}\n", point.ranks, point.workers, quoted(&point.limited_by));
-    }
-    out
+    let kinds = strong.iter().map(|point| ("strong", point)).chain(weak.iter().map(|point| ("weak", point)));
+    let rows = kinds.map(|(kind, point)| format!("{kind},{}\n", exact(&PREDICTED, point).join(",")));
+    format!("scaling,{}\n", names(&PREDICTED)) + &rows.collect::<String>()
 }
 
 /// The model against measured rows.
 pub fn checks(checks: &[Check]) -> String {
-    let mut lines = vec![
-        [
-            "patches",
-            "threads",
-            "ranks",
-            "measured ms",
-            "model ms",
-            "error %",
-            "measured kB/rank",
-            "model kB/rank",
-            "",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-    ];
-    lines.extend(checks.iter().map(|check| {
-        vec![
-            check.patches.to_string(),
-            check.threads.to_string(),
-            check.ranks.to_string(),
-            format!("{:.3}", check.measured_ms),
-            format!("{:.3}", check.model_ms),
-            format!("{:+.1}", 100.0 * check.error),
-            format!("{:.1}", 1e-3 * check.measured_bytes),
-            format!("{:.1}", 1e-3 * check.model_bytes),
-            if check.fitted { "fitted" } else { "" }.to_owned(),
-        ]
-    }));
-    aligned(&lines).join("\n") + "\n"
+    lines(&CHECKED, checks, |_| CHECKED.len()).join("\n") + "\n"
 }
 
 #[cfg(test)]

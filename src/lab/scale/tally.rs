@@ -49,8 +49,8 @@ pub struct Tally {
     pub steps: u64,
     /// The ranks.
     pub ranks: Vec<Rank>,
-    /// Task time by stage (names of its tasks) and material, over all ranks and workers [ns].
-    pub stages: BTreeMap<(Vec<String>, Option<String>), f64>,
+    /// Task time by phase and material, over all ranks and workers [ns].
+    pub stages: BTreeMap<(usize, Option<String>), f64>,
     /// Events that the recorder had no room for.
     pub lost: u64,
 }
@@ -96,7 +96,9 @@ fn add(tally: &mut Tally, line: &Line) {
         Some(Kind::Task) => {
             rank.tasks[1] += ns;
             rank.tasks[0] += if line.worker == 0 { ns } else { 0.0 };
-            *tally.stages.entry((args.tasks.clone(), args.material.clone())).or_default() += ns;
+            if let Some(phase) = args.phase {
+                *tally.stages.entry((phase, args.material.clone())).or_default() += ns;
+            }
         }
         Some(Kind::HaloWait) if args.bytes > 0 => {
             rank.pack += ns;

@@ -1,6 +1,6 @@
 //! Weak scaling: ranks that all look the same, in a torus.
-use super::load::{Counts, Edge, Load, Ranks};
-use super::model::Costs;
+use super::load::{Counts, Load, Message, Passing, Ranks, TRAVELERS};
+use super::model::Setup;
 use grid::curve;
 
 /// A typical rank: a brick of full blocks.
@@ -8,14 +8,16 @@ use grid::curve;
 pub struct Brick {
     /// Particles by material.
     pub particles: Vec<f64>,
-    /// Blocks of particles, of all materials.
-    pub blocks: f64,
-    /// Blocks of nodes of one material for each block of particles.
-    pub nodes: f64,
+    /// Blocks of particles by material.
+    pub blocks: Vec<f64>,
+    /// Blocks of nodes, by the materials of the fields that they hold.
+    pub nodes: Vec<(Vec<usize>, f64)>,
     /// How many layers of nodes below and above a block its particles reach.
     pub reach: [f64; 2],
-    /// Buffers that a block sends: one, and one more near another material.
-    pub buffers: f64,
+    /// Fields of each material.
+    pub fields: Vec<usize>,
+    /// The part of each material in all particles, away from other materials and near them.
+    pub parts: Vec<[f64; 2]>,
     /// Patches.
     pub patches: f64,
 }
@@ -24,36 +26,42 @@ impl Brick {
     /// The same, `workers` times as large.
     pub fn times(&self, workers: usize) -> Self {
         let factor = workers as f64;
+        let scaled = |counts: &[f64]| counts.iter().map(|count| factor * count).collect();
         Self {
-            particles: self.particles.iter().map(|count| factor * count).collect(),
-            blocks: factor * self.blocks,
+            particles: scaled(&self.particles),
+            blocks: scaled(&self.blocks),
+            nodes: self.nodes.iter().map(|(fields, count)| (fields.clone(), factor * count)).collect(),
             patches: factor * self.patches,
             ..self.clone()
         }
     }
 
-    /// Blocks along a side.
-    fn side(&self) -> f64 {
-        self.blocks.cbrt()
+    /// Blocks of particles, of all materials.
+    pub fn all_blocks(&self) -> f64 {
+        self.blocks.iter().sum()
     }
 
-    /// Bytes of sums that go to the neighbor in direction `d`.
-    fn sums(&self, d: [i32; 3]) -> f64 {
+    /// Blocks along a side.
+    fn side(&self) -> f64 {
+        self.all_blocks().cbrt()
+    }
+
+    /// Nodes of the neighbor in direction `d` that blocks add to, and how many blocks do.
+    fn added(&self, d: [i32; 3]) -> [f64; 2] {
         let (n, [below, above]) = (self.side(), self.reach);
-        // lines along an axis from all blocks to their neighbors that lie beyond the face, or not
+        // nodes along an axis from all blocks to their neighbors that lie beyond the face, or not
         let along = |d: i32| match d {
             -1 => below,
             1 => above,
             // to the block itself, and to those beside it that are in the brick
             _ => 4.0 * n + (n - 1.0).max(0.0) * (below + above),
         };
-        let lines: f64 = d.iter().map(|&d| along(d)).product();
-        let givers: f64 = d.iter().map(|&d| if d == 0 { n } else { 1.0 }).product();
-        LINE * (self.buffers * lines + givers)
+        let givers = d.iter().map(|&d| if d == 0 { n } else { 1.0 }).product();
+        [d.iter().map(|&d| along(d)).product(), givers]
     }
 
-    /// Bytes of motion of nodes that the neighbor in direction `d` reads: what its particles reach here.
-    fn motion(&self, d: [i32; 3]) -> f64 {
+    /// Nodes that particles of the neighbor in direction `d` read: what they reach here.
+    fn read(&self, d: [i32; 3]) -> f64 {
         let (n, [below, above]) = (self.side(), self.reach);
         // who sits above reaches down
         let along = |d: i32| match d {
@@ -61,7 +69,22 @@ impl Brick {
             1 => below,
             _ => 4.0 * n,
         };
-        LINE * d.iter().map(|&d| along(d)).product::<f64>()
+        d.iter().map(|&d| along(d)).product()
+    }
+
+    /// What passes to the neighbor in direction `d`, by material.
+    fn passing(&self, d: [i32; 3]) -> Vec<Passing> {
+        let ([added, adders], read) = (self.added(d), self.read(d));
+        let materials = self.fields.iter().zip(&self.parts).zip(&self.blocks);
+        let share = |blocks: &f64| adders * blocks / self.all_blocks();
+        let passing = materials.map(|((&fields, part), blocks)| Passing {
+            fields,
+            adders: share(blocks),
+            readers: share(blocks),
+            added: part.map(|part| part * added),
+            read: (part[0] + part[1]) * read,
+        });
+        passing.collect()
     }
 
     /// Its counts, if it has neighbors along some axes: blocks of two layers at each face are on the rim, for they give to
@@ -71,47 +94,63 @@ impl Brick {
         let inside = |layers: f64| -> f64 {
             open.iter().map(|&open| if open { (n - 2.0 * layers).max(0.0) / n } else { 1.0 }).product()
         };
-        let (blocks, nodes) = (self.blocks * inside(2.0), self.blocks * self.nodes);
+        let (two, one) = (inside(2.0), inside(1.0));
+        let parts = |counts: &[f64]| counts.iter().map(|count| [count * (1.0 - two), count * two]).collect();
+        let nodes = self.nodes.iter();
         Counts {
-            particles: self
-                .particles
-                .iter()
-                .map(|count| [count * (1.0 - inside(2.0)), count * inside(2.0)])
+            particles: parts(&self.particles),
+            blocks: parts(&self.blocks),
+            nodes: nodes
+                .map(|(fields, count)| (fields.clone(), [count * (1.0 - one), count * one]))
                 .collect(),
-            nodes: [nodes * (1.0 - inside(1.0)), nodes * inside(1.0)],
-            blocks: [self.blocks - blocks, blocks],
             patches: self.patches,
         }
     }
 }
 
-/// Bytes of a line of nodes.
-const LINE: f64 = 64.0;
-
 /// Ranks in a torus that is as close to a cube as their number allows, numbered along a Hilbert curve, as patches are.
 pub struct Torus {
     sides: [usize; 3],
-    load: Load,
-    /// Direction, sums and motion.
-    ways: Vec<([i32; 3], f64, f64)>,
+    /// By kind of tick.
+    loads: Vec<Load>,
+    ways: Vec<[i32; 3]>,
+    /// Bytes by kind of tick, exchange and way.
+    bytes: Vec<Vec<Vec<Option<f32>>>>,
     /// Where a rank is, and who is there.
     cells: Vec<u32>,
     ranks: Vec<u32>,
 }
 
 impl Torus {
-    /// `count` ranks of `threads` workers.
-    pub fn new(brick: &Brick, costs: &Costs, count: usize, threads: usize) -> Self {
+    /// `count` ranks.
+    pub fn new(brick: &Brick, setup: &Setup<'_>, count: usize) -> Self {
         let sides = cube(count);
         let place = |cell: usize| [cell / (sides[1] * sides[2]), cell / sides[2] % sides[1], cell % sides[2]];
         let mut cells: Vec<u32> = (0..count as u32).collect();
         cells.sort_by_key(|&cell| curve(place(cell as usize).map(|i| i as u32)));
         let mut ranks = vec![0; count];
         cells.iter().enumerate().for_each(|(rank, &cell)| ranks[cell as usize] = rank as u32);
-        let directions = (0..27).map(|q| [q / 9 - 1, q / 3 % 3 - 1, q % 3 - 1]).filter(|d| *d != [0; 3]);
-        let ways = directions.map(|d| (d, brick.sums(d), brick.motion(d))).collect();
-        let load = brick.counts(sides.map(|side| side > 1)).load(costs, threads);
-        Self { sides, load, ways, cells, ranks }
+        let directions = (0..27).map(|q| [q / 9 - 1, q / 3 % 3 - 1, q % 3 - 1]);
+        let ways: Vec<[i32; 3]> = directions.filter(|d| *d != [0; 3]).collect();
+        let (kinds, counts) = (&setup.step.kinds, brick.counts(sides.map(|side| side > 1)));
+        let loads = kinds.iter().map(|tick| counts.load(setup, tick)).collect();
+        let exchanges = &setup.step.graph.exchanges;
+        let passing: Vec<Vec<Passing>> = ways.iter().map(|&d| brick.passing(d)).collect();
+        let of = |exchange, tick| passing.iter().map(|it| Passing::bytes(it, exchange, tick)).collect();
+        let bytes = kinds.iter().map(|tick| exchanges.iter().map(|exchange| of(exchange, tick)).collect());
+        let bytes = bytes.collect();
+        Self { sides, loads, ways, bytes, cells, ranks }
+    }
+
+    /// The rank in a direction.
+    fn neighbor(&self, rank: usize, d: [i32; 3]) -> u32 {
+        let [_, ny, nz] = self.sides;
+        let cell = self.cells[rank] as usize;
+        let here = [cell / (ny * nz), cell / nz % ny, cell % nz];
+        let there: [usize; 3] = std::array::from_fn(|a| {
+            (here[a] + self.sides[a]).wrapping_add_signed(d[a] as isize) % self.sides[a]
+        });
+        self.ranks[(there[0] * ny + there[1]) * nz + there[2]]
     }
 }
 
@@ -120,29 +159,27 @@ impl Ranks for Torus {
         self.cells.len()
     }
 
-    fn load(&self, _rank: usize) -> Load {
-        self.load
+    fn load(&self, _rank: usize, kind: usize) -> &Load {
+        &self.loads[kind]
     }
 
-    fn edges(&self, rank: usize, edges: &mut Vec<Edge>) {
-        edges.clear();
-        let [_, ny, nz] = self.sides;
-        let cell = self.cells[rank] as usize;
-        let here = [cell / (ny * nz), cell / nz % ny, cell % nz];
-        for &(d, sums, motion) in &self.ways {
-            let there: [usize; 3] = std::array::from_fn(|a| {
-                (here[a] + self.sides[a]).wrapping_add_signed(d[a] as isize) % self.sides[a]
-            });
-            let to = self.ranks[(there[0] * ny + there[1]) * nz + there[2]];
+    fn sends(&self, rank: usize, kind: usize, exchange: Option<usize>, messages: &mut Vec<Message>) {
+        messages.clear();
+        for (way, &d) in self.ways.iter().enumerate() {
+            let to = self.neighbor(rank, d);
             if to as usize == rank {
                 continue;
             }
+            let bytes = exchange.map_or(Some(0.0), |exchange| self.bytes[kind][exchange][way]);
+            let Some(bytes) = bytes else { continue };
             // what goes to the same rank in several directions is one message
-            let more = Edge { to, sums: sums as f32, motion: motion as f32 };
-            match edges.iter_mut().find(|edge| edge.to == to) {
-                Some(edge) => (edge.sums, edge.motion) = (edge.sums + more.sums, edge.motion + more.motion),
-                None => edges.push(more),
+            match messages.iter_mut().find(|message| message.to == to) {
+                Some(message) => message.bytes += bytes,
+                None => messages.push(Message { to, bytes }),
             }
+        }
+        if exchange.is_none() {
+            messages.iter_mut().for_each(|message| message.bytes = TRAVELERS);
         }
     }
 }
@@ -169,10 +206,11 @@ mod tests {
     fn brick() -> Brick {
         Brick {
             particles: vec![1e4],
-            blocks: 64.0,
-            nodes: 1.5,
+            blocks: vec![64.0],
+            nodes: vec![(vec![0], 96.0)],
             reach: [0.0, 2.0],
-            buffers: 1.0,
+            fields: vec![1],
+            parts: vec![[1.0, 0.0]],
             patches: 1.0,
         }
     }
@@ -186,32 +224,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_sent_is_received_and_neighbors_are_different_ranks() {
-        for count in [1, 2, 3, 8, 27, 60] {
-            let torus = Torus::new(&brick(), &Costs::default(), count, 1);
-            let (mut sent, mut came, mut edges) = (vec![0.0; count], vec![0.0; count], Vec::new());
-            for rank in 0..count {
-                torus.edges(rank, &mut edges);
-                assert!(edges.len() <= 26 && edges.iter().all(|edge| edge.to as usize != rank));
-                for edge in &edges {
-                    sent[rank] += edge.sums;
-                    came[edge.to as usize] += edge.sums;
-                }
-            }
-            assert!(
-                sent.iter().zip(&came).all(|(a, b)| (a - b).abs() <= 1e-3 * a),
-                "{count}: {sent:?} {came:?}"
-            );
-        }
-    }
-
-    #[test]
     fn a_face_sends_the_two_layers_above_it_of_every_block() {
         // 4 x 4 blocks; each gives 2 lines above it times 4 + 2 of its own and of its neighbors on both other axes
         let n = 4.0;
         let lines = 2.0 * (4.0 * n + 2.0 * (n - 1.0_f64)).powi(2);
-        assert_eq!(brick().sums([1, 0, 0]), LINE * (lines + n * n));
-        assert_eq!(brick().motion([-1, 0, 0]), LINE * 2.0 * 256.0);
-        assert_eq!(brick().motion([1, 0, 0]), 0.0);
+        assert_eq!(brick().added([1, 0, 0]), [lines, n * n]);
+        assert_eq!(brick().read([-1, 0, 0]), 2.0 * 256.0);
+        assert_eq!(brick().read([1, 0, 0]), 0.0);
     }
 }

@@ -1,9 +1,9 @@
 //! The model of this machine against what was measured on it.
-use super::field::Field;
-use super::model::{Cluster, Costs};
-use super::predict::{Setup, simulate};
+use super::footprint::Footprint;
+use super::load::{Listed, Ranks, coming};
+use super::model::{Cluster, Costs, Setup};
+use super::predict::simulate;
 use super::row::Row;
-use super::tick::LINE;
 use grid::{Decomposition, Level};
 use serde::Serialize;
 
@@ -36,10 +36,10 @@ pub struct Check {
 /// # Errors
 /// Rows that the model cannot cut.
 pub fn validate(
-    field: &Field,
+    footprint: &Footprint,
     level: &Level,
     rows: &[Row],
-    setup: &Setup,
+    setup: &Setup<'_>,
     (fitted, cores): (Option<usize>, usize),
 ) -> Result<Vec<Check>, String> {
     let mut checks = Vec::new();
@@ -49,12 +49,9 @@ pub fn validate(
         // one worker has the machine to itself
         let contention = if row.workers() > 1 { setup.costs.contention } else { 1.0 };
         let costs = Costs { contention, ..setup.costs.clone() };
-        let listed = field.ranks(&patches, row.ranks, &costs, row.threads)?;
-        let edges = listed.edges.iter().flatten();
-        let bytes = edges.fold(0.0, |sum, edge| sum + f64::from(edge.sums + edge.motion + LINE));
-        let bytes = bytes / row.ranks as f64;
         let cluster = Cluster { ranks: row.ranks.max(1), noise: 0.0, ..setup.cluster };
         let setup = Setup { costs, cluster, threads: row.threads, ..setup.clone() };
+        let listed = footprint.ranks(&patches, row.ranks, &setup)?;
         let (model_ms, measured_ms) = (1e3 * simulate(&listed, &setup).step, row.step_ms[0]);
         checks.push(Check {
             patches: row.patches,
@@ -64,11 +61,17 @@ pub fn validate(
             model_ms,
             error: model_ms / measured_ms - 1.0,
             measured_bytes: row.parts.bytes,
-            model_bytes: bytes,
+            model_bytes: bytes(&listed, &setup),
             fitted: fitted == Some(number),
         });
     }
     Ok(checks)
+}
+
+/// What a mean rank sends in a step [B]: what comes to one.
+fn bytes(ranks: &Listed, setup: &Setup<'_>) -> f64 {
+    let coming = setup.step.ticks.iter().map(|&kind| coming(ranks, setup.step.graph.exchanges.len(), kind));
+    coming.flatten().flatten().map(|it| f64::from(it.bytes)).sum::<f64>() / ranks.count() as f64
 }
 
 /// The largest error of a row that the model was not fitted to.

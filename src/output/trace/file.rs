@@ -26,6 +26,8 @@ struct OtherData {
 /// An event.
 #[derive(Deserialize)]
 pub struct Line {
+    #[serde(default)]
+    name: String,
     ph: String,
     #[serde(default)]
     cat: String,
@@ -52,8 +54,12 @@ pub struct About {
     pub tasks: Vec<String>,
     /// Its material.
     pub material: Option<String>,
-    /// The phase that waits.
+    /// Its phase, or the one that waits.
     pub phase: Option<usize>,
+    /// Number of the exchange.
+    pub exchange: Option<usize>,
+    /// The first layer of blocks of the slab; `None`: the rim.
+    pub slab: Option<u32>,
     /// Number of the step.
     pub step: Option<u64>,
     /// Messages sent.
@@ -97,6 +103,11 @@ impl Line {
     /// What the worker was busy with; `None`: a kind of which this version knows nothing.
     pub fn kind(&self) -> Option<Kind> {
         Kind::ALL.into_iter().find(|kind| kind.name() == self.cat)
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// The name of its kind.

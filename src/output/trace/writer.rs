@@ -1,7 +1,7 @@
 //! Writes the events of all ranks, piece by piece, so that no rank ever holds those of all.
 use crate::output::error::{Result, io};
 use engine::exec::ranks::{Network, collective, pack, unpack};
-use engine::exec::trace::{Event, Kind, NONE, Recorder, Track};
+use engine::exec::trace::{Event, Kind, NONE, Recorder, TRAVELERS, Track};
 use engine::graph::build::TaskGraph;
 use engine::graph::phase::Stage;
 use serde_json::{Value, json};
@@ -69,8 +69,8 @@ struct Writer<'a> {
     file: BufWriter<File>,
     path: &'a Path,
     graph: &'a TaskGraph,
-    /// Stages by the first of their lines in the recipe.
-    stages: HashMap<u32, &'a Stage>,
+    /// Stages and their phases by the first of their lines in the recipe.
+    stages: HashMap<u32, (usize, &'a Stage)>,
     /// Tracks that have their names.
     named: Vec<(usize, u64)>,
     /// Bytes that each rank has sent so far.
@@ -82,8 +82,9 @@ struct Writer<'a> {
 impl<'a> Writer<'a> {
     fn create(path: &'a Path, graph: &'a TaskGraph, ranks: usize) -> Result<Self> {
         let file = File::create(path).map_err(io("create", path))?;
-        let stages = graph.phases.iter().flat_map(|phase| &phase.stages);
-        let stages = stages.filter_map(|stage| Some((*stage.entries.first()? as u32, stage))).collect();
+        let phases = graph.phases.iter().enumerate();
+        let stages = phases.flat_map(|(number, phase)| phase.stages.iter().map(move |stage| (number, stage)));
+        let stages = stages.filter_map(|it| Some((*it.1.entries.first()? as u32, it))).collect();
         let (file, named, sent) = (BufWriter::new(file), Vec::new(), vec![0; ranks]);
         let mut writer = Self { file, path, graph, stages, named, sent, lost: 0, first: true };
         writer.text("{\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n")?;
@@ -131,7 +132,10 @@ impl<'a> Writer<'a> {
     fn complete(&self, rank: usize, worker: u64, event: &Event) -> Value {
         let (name, tasks) = self.name(event);
         let known = |number: u32| (number != NONE).then_some(number);
-        let waits = matches!(event.kind, Kind::HaloWait | Kind::ReduceWait);
+        let phase = match event.kind {
+            Kind::HaloWait | Kind::ReduceWait => known(event.place),
+            _ => self.stages.get(&event.place).map(|(phase, _)| *phase as u32),
+        };
         let mut args = json!({ "step": event.step });
         let material = known(event.material).and_then(|m| self.graph.recipe.materials.get(m as usize));
         let mut add = |key: &str, value: Value| {
@@ -141,7 +145,8 @@ impl<'a> Writer<'a> {
         };
         add("tasks", if tasks.is_empty() { Value::Null } else { json!(tasks) });
         add("material", json!(material));
-        add("phase", json!(known(event.place).filter(|_| waits)));
+        add("phase", json!(phase));
+        add("exchange", json!(known(event.message).filter(|_| event.kind == Kind::HaloWait)));
         add("patch", json!(known(event.patch)));
         add("slab", json!(known(event.slab)));
         if event.messages > 0 {
@@ -162,7 +167,7 @@ impl<'a> Writer<'a> {
         let phase = self.graph.phases.get(event.place as usize);
         match (event.kind, phase) {
             (Kind::Task | Kind::Idle, _) => {
-                let nodes = self.stages.get(&event.place).map_or(&[][..], |stage| &stage.nodes[..]);
+                let nodes = self.stages.get(&event.place).map_or(&[][..], |(_, stage)| &stage.nodes[..]);
                 let tasks: Vec<&str> = nodes.iter().map(|&n| self.graph.graph[n].declaration.name).collect();
                 let name = match tasks[..] {
                     [one] if event.kind == Kind::Task => one.to_owned(),
@@ -173,6 +178,7 @@ impl<'a> Writer<'a> {
             }
             (Kind::HaloWait, Some(phase)) => (format!("halo: {}", labels(&phase.halos)), Vec::new()),
             (Kind::ReduceWait, Some(phase)) => (format!("reduce: {}", labels(&phase.reductions)), Vec::new()),
+            (Kind::ReduceWait, None) if event.message == TRAVELERS => ("travelers".to_owned(), Vec::new()),
             (Kind::ReduceWait, None) => (format!("reduce: {}", labels(&self.graph.at_end)), Vec::new()),
             (kind, _) => (kind.name().to_owned(), Vec::new()),
         }

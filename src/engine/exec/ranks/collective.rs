@@ -3,8 +3,45 @@ use super::words::{put, take};
 use super::{Channel, Network, NetworkError, pack, unpack};
 use simd::Wide;
 
+/// What a rank does in a reduction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Act {
+    /// Sends what it has.
+    Send(usize),
+    /// Receives what another rank has, and merges it.
+    Merge(usize),
+    /// Receives the result.
+    Take(usize),
+}
+
+/// The acts of a rank in a reduction, by number, in order; `None`: it is done. Recursive doubling; R. Thakur, R. Rabenseifner,
+/// W. Gropp, IJHPCA 19, 2005, 49–66. Ranks beyond the last power of two have a partner below it.
+pub fn act(rank: usize, size: usize, number: usize) -> Option<Act> {
+    let whole = 1usize << size.ilog2();
+    let rounds = 2 * whole.ilog2() as usize;
+    if rank >= whole {
+        return [Act::Send(rank - whole), Act::Take(rank - whole)].get(number).copied();
+    }
+    let partner = Some(rank + whole).filter(|&partner| partner < size);
+    let number = match (partner, number) {
+        (Some(partner), 0) => return Some(Act::Merge(partner)),
+        (Some(_), number) => number - 1,
+        (None, number) => number,
+    };
+    if number < rounds {
+        let peer = rank ^ 1 << (number / 2);
+        return Some(if number.is_multiple_of(2) { Act::Send(peer) } else { Act::Merge(peer) });
+    }
+    partner.filter(|_| number == rounds).map(Act::Send)
+}
+
+/// All acts of a rank in a reduction.
+pub fn acts(rank: usize, size: usize) -> impl Iterator<Item = Act> {
+    (0..).map_while(move |number| act(rank, size, number))
+}
+
 /// Merges the messages of all ranks: afterwards each has the result. `merge` must commute and associate exactly, then all
-/// have the same bits. Recursive doubling; R. Thakur, R. Rabenseifner, W. Gropp, IJHPCA 19, 2005, 49–66.
+/// have the same bits.
 ///
 /// # Errors
 /// If a rank is gone.
@@ -13,32 +50,20 @@ pub fn reduce(
     message: &mut Vec<Wide>,
     mut merge: impl FnMut(&mut [Wide], &[Wide]),
 ) -> Result<(), NetworkError> {
-    let (rank, size) = (network.rank(), network.size());
-    let whole = 1 << size.ilog2();
-    let extra = size - whole;
-    if rank >= whole {
-        network.send(rank - whole, Channel::Reduction, message.clone());
-        *message = network.receive(rank - whole, Channel::Reduction)?;
-        return Ok(());
-    }
-    let mut add = |network: &mut dyn Network, from, message: &mut Vec<Wide>| {
-        let part = network.receive(from, Channel::Reduction)?;
-        merge(message, &part);
-        network.give_back(part);
-        Ok(())
-    };
-    if rank < extra {
-        add(network, rank + whole, message)?;
-    }
-    for bit in 0..whole.ilog2() {
-        let peer = rank ^ 1 << bit;
-        let mut copy = network.memory(message.len());
-        copy.extend_from_slice(message);
-        network.send(peer, Channel::Reduction, copy);
-        add(network, peer, message)?;
-    }
-    if rank < extra {
-        network.send(rank + whole, Channel::Reduction, message.clone());
+    for act in acts(network.rank(), network.size()) {
+        match act {
+            Act::Send(to) => {
+                let mut copy = network.memory(message.len());
+                copy.extend_from_slice(message);
+                network.send(to, Channel::Reduction, copy);
+            }
+            Act::Merge(from) => {
+                let part = network.receive(from, Channel::Reduction)?;
+                merge(message, &part);
+                network.give_back(part);
+            }
+            Act::Take(from) => *message = network.receive(from, Channel::Reduction)?,
+        }
     }
     Ok(())
 }
@@ -153,4 +178,31 @@ pub fn first_error(
 
 fn text_of(mut words: &[u64]) -> String {
     String::from_utf8_lossy(&take::<u8>(&mut words)).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_message_of_a_reduction_is_sent_once_and_received_once() {
+        for size in 1..40 {
+            let (mut sent, mut received) = (Vec::new(), Vec::new());
+            for rank in 0..size {
+                for act in acts(rank, size) {
+                    match act {
+                        Act::Send(to) => sent.push((rank, to)),
+                        Act::Merge(from) | Act::Take(from) => received.push((from, rank)),
+                    }
+                }
+            }
+            let whole = 1usize << size.ilog2();
+            assert_eq!(sent.len(), whole * whole.ilog2() as usize + 2 * (size - whole), "{size}");
+            sent.sort_unstable();
+            received.sort_unstable();
+            assert_eq!(sent, received, "{size}");
+            sent.dedup();
+            assert_eq!(sent.len(), received.len(), "two ranks meet once: {size}");
+        }
+    }
 }

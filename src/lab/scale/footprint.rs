@@ -1,6 +1,7 @@
 //! The blocks of a scene at its start, and what ranks would do and send with them.
-use super::load::{Counts, Edge, Listed};
-use super::model::Costs;
+use super::load::{Counts, Listed, Message, Passing};
+use super::model::Setup;
+use super::step::Tick;
 use super::torus::Brick;
 use crate::lab::plan;
 use crate::simulation::layout;
@@ -8,6 +9,7 @@ use engine::data::activate::FARTHEST;
 use engine::data::extent::{self, MARGIN};
 use engine::data::nodes::NOWHERE;
 use engine::exec::halo::{back, overlap};
+use engine::graph::exchange::Exchange;
 use grid::{BlockIndex, BlockShape, Decomposition, IndexBox, Level, Partition};
 use scene::Scene;
 use std::collections::BTreeMap;
@@ -24,20 +26,21 @@ struct Block {
 }
 
 /// The blocks of a scene.
-pub struct Field {
+pub struct Footprint {
     level: Level,
     blocks: Vec<Block>,
-    /// Blocks of nodes, with how many materials they hold.
-    nodes: Vec<(BlockIndex, f64)>,
-    materials: usize,
+    /// Blocks of nodes, with the materials of the fields that they hold.
+    nodes: Vec<(BlockIndex, Vec<usize>)>,
+    /// Fields of each material.
+    fields: Vec<usize>,
     /// Particles in each block.
     census: Vec<(BlockIndex, u64)>,
 }
 
-/// Bytes of a line.
-const LINE: f32 = 64.0;
+/// What passes, by sender and receiver, and material.
+type Pairs = BTreeMap<(usize, usize), Vec<Passing>>;
 
-impl Field {
+impl Footprint {
     /// The blocks of a scene, with the nodes that their particles touch once steps have been taken.
     ///
     /// # Errors
@@ -60,7 +63,8 @@ impl Field {
         let level = layout::level(scene);
         let warehouse = plan::outline(scene, Decomposition::new(&level, [1; 3])?);
         let nodes = warehouse.nodes.iter().flat_map(|patch| &patch.blocks);
-        let nodes = nodes.map(|block| (block.index, block.present.len() as f64)).collect();
+        let material = |field: &_| warehouse.fields.material(*field);
+        let nodes = nodes.map(|block| (block.index, block.present.iter().map(material).collect())).collect();
         let (mut blocks, mut census) = (Vec::new(), BTreeMap::new());
         for (material, block) in warehouse.blocks() {
             let bounds = extent::largest(&block.extent).map(|y| y - margin);
@@ -73,13 +77,13 @@ impl Field {
             blocks.push(Block { index, material, count, near, touched, around });
             *census.entry(block.index).or_default() += block.count as u64;
         }
-        let materials = scene.materials.len();
-        Ok(Self { level, blocks, nodes, materials, census: census.into_iter().collect() })
+        let fields = (0..scene.materials.len()).map(|m| warehouse.fields.of(m).len()).collect();
+        Ok(Self { level, blocks, nodes, fields, census: census.into_iter().collect() })
     }
 
     /// Particles by material.
     pub fn particles(&self) -> Vec<f64> {
-        let mut counts = vec![0.0; self.materials];
+        let mut counts = vec![0.0; self.fields.len()];
         self.blocks.iter().for_each(|block| counts[block.material] += block.count);
         counts
     }
@@ -89,9 +93,9 @@ impl Field {
         self.blocks.len()
     }
 
-    /// Blocks of nodes, once for each material.
+    /// Blocks of nodes, once for each field.
     pub fn nodes(&self) -> f64 {
-        self.nodes.iter().map(|(_, materials)| materials).sum()
+        self.nodes.iter().map(|(_, fields)| fields.len() as f64).sum()
     }
 
     /// The finest patches: one block each.
@@ -119,7 +123,7 @@ impl Field {
     /// A brick with the mean of all blocks.
     pub fn brick(&self, patches: f64) -> Brick {
         let particles = self.particles();
-        let (all, blocks) = (particles.iter().sum::<f64>().max(1.0), self.blocks.len() as f64);
+        let all = particles.iter().sum::<f64>().max(1.0);
         let mean = |of: &dyn Fn(&Block) -> f64| {
             self.blocks.iter().map(|block| block.count * of(block)).sum::<f64>() / all
         };
@@ -129,33 +133,48 @@ impl Field {
         // a buffer begins one node below its block
         let below = axes(&|block, a| 1 - block.touched.lower[a]);
         let above = axes(&|block, a| block.touched.upper[a] - 5);
-        let buffers = 1.0 + mean(&|block| f64::from(u8::from(block.near)));
-        let nodes = self.nodes() / blocks.max(1.0);
-        Brick { particles, blocks, nodes, reach: [below, above], buffers, patches }
+        let share = |material, near| {
+            mean(&|block| f64::from(u8::from((block.material, block.near) == (material, near))))
+        };
+        let parts = (0..self.fields.len()).map(|m| [share(m, false), share(m, true)]).collect();
+        let counts = self.counts(&vec![0; self.blocks.len()], &vec![0; self.nodes.len()], 1);
+        let sum = |pair: &[f64; 2]| pair[0] + pair[1];
+        let blocks = counts[0].blocks.iter().map(sum).collect();
+        let nodes = counts[0].nodes.iter().map(|(fields, pair)| (fields.clone(), sum(pair))).collect();
+        let fields = self.fields.clone();
+        Brick { particles, blocks, nodes, reach: [below, above], fields, parts, patches }
     }
 
-    /// What ranks of `threads` workers do and send if they share `patches`.
+    /// What ranks do and send if they share `patches`.
     ///
     /// # Errors
     /// Fewer patches than ranks.
-    pub fn ranks(
-        &self,
-        patches: &Decomposition,
-        ranks: usize,
-        costs: &Costs,
-        threads: usize,
-    ) -> Result<Listed, String> {
+    pub fn ranks(&self, patches: &Decomposition, ranks: usize, setup: &Setup<'_>) -> Result<Listed, String> {
         let partition = Partition::by_cost(patches, &patches.loads(&self.census), 0, ranks)?;
         let rank_of = |index: BlockIndex| patches.owner(index).map_or(0, |patch| partition.rank_of(patch));
         let homes: Vec<usize> = self.blocks.iter().map(|block| rank_of(block.index)).collect();
         let nodes: Vec<usize> = self.nodes.iter().map(|(index, _)| rank_of(*index)).collect();
         let mut counts = self.counts(&homes, &nodes, ranks);
         (0..patches.patches.len()).for_each(|patch| counts[partition.rank_of(patch)].patches += 1.0);
-        let mut edges = vec![Vec::new(); ranks];
-        for ((from, to), [sums, motion]) in self.pairs(&homes, &nodes, &rank_of) {
-            edges[from].push(Edge { to: to as u32, sums, motion });
+        let pairs = self.pairs(&homes, &nodes, &rank_of);
+        let mut beside = vec![Vec::new(); ranks];
+        pairs.keys().for_each(|&(from, to)| beside[from].push(to as u32));
+        let kinds = &setup.step.kinds;
+        let loads = kinds.iter().map(|tick| counts.iter().map(|it| it.load(setup, tick)).collect()).collect();
+        let exchanges = &setup.step.graph.exchanges;
+        let sends = |tick| exchanges.iter().map(|e| self.sends(&pairs, ranks, tick, e)).collect();
+        Ok(Listed { loads, sends: kinds.iter().map(sends).collect(), beside })
+    }
+
+    /// The messages of an exchange, by rank.
+    fn sends(&self, pairs: &Pairs, ranks: usize, tick: &Tick, exchange: &Exchange) -> Vec<Vec<Message>> {
+        let mut sends = vec![Vec::new(); ranks];
+        for (&(from, to), passing) in pairs {
+            if let Some(bytes) = Passing::bytes(passing, exchange, tick) {
+                sends[from].push(Message { to: to as u32, bytes });
+            }
         }
-        Ok(Listed { loads: counts.iter().map(|counts| counts.load(costs, threads)).collect(), edges })
+        sends
     }
 
     /// Rim and interior as `data::activate` marks them.
@@ -168,52 +187,58 @@ impl Field {
                 .filter(|(node, _)| nodes[*node] != *home)
                 .for_each(|(node, _)| waits[*node] = true);
         }
-        let empty = Counts { particles: vec![[0.0; 2]; self.materials], ..Counts::default() };
+        let none = vec![[0.0; 2]; self.fields.len()];
+        let empty = Counts { particles: none.clone(), blocks: none, ..Counts::default() };
         let mut counts = vec![empty; ranks];
-        for ((rank, waits), (_, materials)) in nodes.iter().zip(&waits).zip(&self.nodes) {
-            counts[*rank].nodes[usize::from(!waits)] += materials;
+        for ((rank, waits), (_, fields)) in nodes.iter().zip(&waits).zip(&self.nodes) {
+            let known = &mut counts[*rank].nodes;
+            let at = known.iter().position(|(of, _)| of == fields).unwrap_or_else(|| {
+                known.push((fields.clone(), [0.0; 2]));
+                known.len() - 1
+            });
+            known[at].1[usize::from(!waits)] += 1.0;
         }
         for (block, home) in self.blocks.iter().zip(homes) {
             let rim = block.around.iter().any(|(node, _)| nodes[*node] != *home || waits[*node]);
             let part = usize::from(!rim);
             counts[*home].particles[block.material][part] += block.count;
-            counts[*home].blocks[part] += 1.0;
+            counts[*home].blocks[block.material][part] += 1.0;
         }
         counts
     }
 
-    /// Bytes of sums and motion from rank to rank, for all that have blocks in sight of each other.
-    fn pairs(
-        &self,
-        homes: &[usize],
-        nodes: &[usize],
-        rank_of: &dyn Fn(BlockIndex) -> usize,
-    ) -> BTreeMap<(usize, usize), [f32; 2]> {
-        let mut pairs: BTreeMap<(usize, usize), [f32; 2]> = BTreeMap::new();
+    /// What passes from rank to rank, for all that have blocks in sight of each other.
+    fn pairs(&self, homes: &[usize], nodes: &[usize], rank_of: &dyn Fn(BlockIndex) -> usize) -> Pairs {
+        let mut pairs = Pairs::new();
+        let nothing = || -> Vec<Passing> {
+            self.fields.iter().map(|&fields| Passing { fields, ..Passing::default() }).collect()
+        };
         let mut read: BTreeMap<(usize, usize, usize), IndexBox> = BTreeMap::new();
         let mut beside = Vec::new();
         for (block, &home) in self.blocks.iter().zip(homes) {
             beside.clear();
             for &(node, touched) in block.around.iter().filter(|(node, _)| nodes[*node] != home) {
-                let to = nodes[node];
-                let buffers = if block.near { 2.0 } else { 1.0 };
-                pairs.entry((home, to)).or_default()[0] += LINE * buffers * touched.len() as f32;
+                let (to, material) = (nodes[node], block.material);
+                let passing = &mut pairs.entry((home, to)).or_insert_with(nothing)[material];
+                passing.added[usize::from(block.near)] += touched.len() as f64;
                 if !beside.contains(&to) {
                     beside.push(to);
+                    passing.adders += 1.0;
+                    // who has added to nodes reads them
+                    pairs.entry((to, home)).or_insert_with(nothing)[material].readers += 1.0;
                 }
                 if !touched.is_empty() {
                     let known = read.entry((node, block.material, home)).or_insert(touched);
                     *known = known.around(&touched);
                 }
             }
-            // a line that says what follows
-            beside.iter().for_each(|&to| pairs.entry((home, to)).or_default()[0] += LINE);
         }
-        for ((node, _, reader), touched) in read {
-            pairs.entry((nodes[node], reader)).or_default()[1] += LINE * touched.len() as f32;
+        for ((node, material, reader), touched) in read {
+            let passing = pairs.entry((nodes[node], reader)).or_insert_with(nothing);
+            passing[material].read += touched.len() as f64;
         }
         self.in_sight(rank_of, |pair| {
-            pairs.entry(pair).or_default();
+            pairs.entry(pair).or_insert_with(nothing);
         });
         pairs
     }
