@@ -4,7 +4,7 @@ mod common;
 use common::tasks;
 use engine::graph::build::TaskGraph;
 use engine::graph::error::GraphError;
-use engine::graph::recipe::{Entry, Recipe, Why};
+use engine::graph::recipe::{Recipe, RecipeLine, Why};
 use engine::graph::task::{Domain, Runnable};
 use engine::schema::{Label, LabelId};
 use petgraph::stable_graph::NodeIndex;
@@ -45,7 +45,7 @@ fn shared(task: impl Runnable + 'static) -> Line {
 
 /// The graph of a recipe of two materials on four patches; all that it writes to particles is wanted.
 fn graph<const N: usize>(lines: [Line; N]) -> Result<TaskGraph, GraphError> {
-    let entries = lines.map(|(material, task)| Entry { task, material, because: String::new() });
+    let entries = lines.map(|(material, task)| RecipeLine { task, material, because: String::new() });
     let recipe =
         Recipe { schema: &SCHEMA, entries: entries.into(), materials: vec!["wood".into(), "iron".into()] };
     TaskGraph::build(recipe, &[Velocity::ID, Position::ID, Volume::ID, Time::ID], 4)
@@ -193,7 +193,8 @@ fn a_chunk_label_that_leaves_its_stage_is_refused() {
 }
 
 fn build(lines: Vec<Line>, outputs: &[LabelId]) -> TaskGraph {
-    let entries = lines.into_iter().map(|(material, task)| Entry { task, material, because: String::new() });
+    let entries =
+        lines.into_iter().map(|(material, task)| RecipeLine { task, material, because: String::new() });
     let recipe =
         Recipe { schema: &SCHEMA, entries: entries.collect(), materials: vec!["wood".into(), "iron".into()] };
     TaskGraph::build(recipe, outputs, 1).unwrap_or_else(|e| panic!("{e}"))

@@ -6,7 +6,7 @@ use common::tasks;
 use engine::graph::build::TaskGraph;
 use engine::graph::check::{Hazard, hazards};
 use engine::graph::error::GraphError;
-use engine::graph::recipe::{Entry, Recipe};
+use engine::graph::recipe::{Recipe, RecipeLine};
 use engine::graph::task::Runnable;
 use engine::schema::Label;
 use tasks::labels::*;
@@ -30,7 +30,8 @@ tasks! {
 }
 
 fn build(lines: Vec<(Option<usize>, Box<dyn Runnable>)>) -> (TaskGraph, Vec<GraphError>) {
-    let entries = lines.into_iter().map(|(material, task)| Entry { task, material, because: String::new() });
+    let entries =
+        lines.into_iter().map(|(material, task)| RecipeLine { task, material, because: String::new() });
     let recipe =
         Recipe { schema: &SCHEMA, entries: entries.collect(), materials: vec!["wood".into(), "iron".into()] };
     TaskGraph::inspect(recipe, &[Velocity::ID, Position::ID, Time::ID], 4)

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Overrides, problem};
-use engine::exec::meter::{Part, Tally, What};
+use engine::exec::meter::{StagePart, Tally, What};
 use engine::graph::phase::When;
 use engine::graph::task::Domain;
 use simd::{Isa, LANES};
@@ -101,7 +101,7 @@ fn with_rates_of_their_own_few_particles_move_and_few_nodes_are_visited_in_a_tic
     let (ticks, updates) = (simulation.ticks() - ticks, simulation.updates() - updates);
     let nodes = simulation.graph().phases.iter().flat_map(|p| &p.stages).find(|s| s.domain == Domain::Nodes);
     let first = nodes.expect("a stage over nodes").entries[0];
-    let visits = tally.cost(What::Part(first, Part::SumPartials)).laps;
+    let visits = tally.cost(What::Part(first, StagePart::SumPartials)).laps;
     let blocks = simulation.warehouse.node_count() as u64 / 64;
     let particles = simulation.warehouse.particle_count() as u64;
     println!(

@@ -60,7 +60,7 @@ const OUTPUTS: [LabelId; 3] = [Seen::ID, Steps::ID, TickValue::ID];
 
 fn recipe<const N: usize>(lines: [Line; N]) -> Recipe {
     let mut recipe = Recipe::new(&SCHEMA, vec!["matter".to_owned()]);
-    recipe.entries.extend(lines.map(|(material, task)| engine::graph::recipe::Entry {
+    recipe.entries.extend(lines.map(|(material, task)| engine::graph::recipe::RecipeLine {
         task,
         material,
         because: String::new(),

@@ -1,17 +1,17 @@
 //! A command as one of several ranks.
 use super::fail::Failure;
-use engine::exec::ranks::launch::{self, Launch, Site};
+use engine::exec::ranks::launch::{self, Launch, Machine};
 use engine::exec::ranks::{Network, NetworkError, collective};
 use scene::Scene;
 
 /// The ranks that were launched together, and what this one finds where it runs.
-pub fn connect() -> Result<(Box<dyn Network>, Site), Failure> {
+pub fn connect() -> Result<(Box<dyn Network>, Machine), Failure> {
     Launch::of_this_process().connect().map_err(Failure::usage)
 }
 
 /// Gives the scene its threads, if nobody asked for a number, and says what stands in their way. None goes on where MPI
 /// forbids threads to one of them.
-pub fn share_cores(scene: &mut Scene, site: Site, network: &mut dyn Network) -> Result<(), Failure> {
+pub fn share_cores(scene: &mut Scene, site: Machine, network: &mut dyn Network) -> Result<(), Failure> {
     let (threads, note) = launch::threads(scene.run.threads, site.ranks);
     scene.run.threads = Some(threads);
     agree(network, site.threading.admits(threads).map_err(Failure::usage))?;

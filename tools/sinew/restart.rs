@@ -3,7 +3,7 @@ use super::args::RunArgs;
 use super::fail::Failure;
 use super::ranks;
 use engine::exec::ranks::Network;
-use engine::exec::ranks::launch::Site;
+use engine::exec::ranks::launch::Machine;
 use scene::Scene;
 use simd::Isa;
 use sinew::input::identity::first_difference;
@@ -18,7 +18,7 @@ pub fn resume(
     folder: &Path,
     isa: Isa,
     mut network: Box<dyn Network>,
-    site: Site,
+    site: Machine,
 ) -> Result<(PathBuf, Simulation, Recorder), Failure> {
     let first = network.rank() == 0;
     let warn =

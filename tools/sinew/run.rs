@@ -5,7 +5,7 @@ use super::progress::Progress;
 use super::signals::Signals;
 use super::{picture, ranks, restart, wound};
 use engine::exec::ranks::Network;
-use engine::exec::ranks::launch::Site;
+use engine::exec::ranks::launch::Machine;
 use engine::exec::trace;
 use scene::Scene;
 use simd::Isa;
@@ -80,7 +80,7 @@ fn begin(
     args: &RunArgs,
     isa: Isa,
     mut network: Box<dyn Network>,
-    site: Site,
+    site: Machine,
 ) -> Result<(PathBuf, Simulation, Recorder), Failure> {
     let path = args.scene.as_deref().unwrap_or(Path::new("."));
     let scene = args.changes.overrides().and_then(|overrides| Ok(sinew::input::read(path, &overrides)?));

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 /// What the engine does in a stage besides its tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum StagePart {
     /// Partial node sums of blocks set to zero.
     Zeroing,
     /// Motion of nodes copied into the region of a block.
@@ -19,17 +19,18 @@ pub enum Part {
     Setup,
 }
 
-impl Part {
+impl StagePart {
     /// All of them.
-    pub const ALL: [Part; 4] = [Part::Zeroing, Part::LoadRegion, Part::SumPartials, Part::Setup];
+    pub const ALL: [StagePart; 4] =
+        [StagePart::Zeroing, StagePart::LoadRegion, StagePart::SumPartials, StagePart::Setup];
 
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Part::Zeroing => "(zero partial sums)",
-            Part::LoadRegion => "(load region)",
-            Part::SumPartials => "(sum partials)",
-            Part::Setup => "(set up)",
+            StagePart::Zeroing => "(zero partial sums)",
+            StagePart::LoadRegion => "(load region)",
+            StagePart::SumPartials => "(sum partials)",
+            StagePart::Setup => "(set up)",
         }
     }
 }
@@ -40,7 +41,7 @@ pub enum What {
     /// A line of the recipe.
     Entry(usize),
     /// Work of the engine for the stage that begins with this line of the recipe.
-    Part(usize, Part),
+    Part(usize, StagePart),
     /// Particles moved to other blocks, after the step.
     Relocation,
     /// Blocks and neighbors rebuilt, before the step.
@@ -49,7 +50,7 @@ pub enum What {
 
 impl What {
     fn slot(self) -> usize {
-        const STRIDE: usize = 1 + Part::ALL.len();
+        const STRIDE: usize = 1 + StagePart::ALL.len();
         match self {
             What::Relocation => 0,
             What::Activation => 1,

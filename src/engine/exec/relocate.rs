@@ -17,7 +17,7 @@ use simd::Wide;
 pub type Leaving<'a> = dyn FnMut(&mut Traveler, &[MaterialData], &mut Shared) -> bool + 'a;
 
 /// How particles come to other ranks.
-pub struct Way<'a> {
+pub struct Transit<'a> {
     /// The ranks.
     pub network: &'a mut dyn Network,
     /// Those in sight.
@@ -68,7 +68,7 @@ impl Relocation {
     /// If a rank is gone, or a particle was lost on the way.
     pub fn prepare(
         warehouse: &mut Warehouse,
-        way: &mut Way<'_>,
+        way: &mut Transit<'_>,
         moved: impl Fn(usize) -> bool,
     ) -> Result<Self, NetworkError> {
         let began = way.trace.now();
@@ -140,11 +140,11 @@ impl Relocation {
     fn send(
         &mut self,
         warehouse: &Warehouse,
-        way: &mut Way<'_>,
+        way: &mut Transit<'_>,
         travelers: Vec<Traveler>,
         counters: &mut Counters,
     ) {
-        let Way { network, beside, trace, .. } = way;
+        let Transit { network, beside, trace, .. } = way;
         let began = trace.now();
         let mut bags: Vec<Vec<u64>> = vec![Vec::new(); beside.len()];
         for traveler in travelers {
@@ -174,10 +174,10 @@ impl Relocation {
     fn receive(
         &mut self,
         warehouse: &Warehouse,
-        way: &mut Way<'_>,
+        way: &mut Transit<'_>,
         counters: &mut Counters,
     ) -> Result<(), NetworkError> {
-        let Way { network, beside, trace, .. } = way;
+        let Transit { network, beside, trace, .. } = way;
         let began = trace.now();
         let messages = beside.iter().map(|beside| network.receive(beside.rank, Channel::Travelers));
         let messages = messages.collect::<Result<Vec<_>, _>>()?;

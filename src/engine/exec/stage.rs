@@ -1,7 +1,7 @@
 //! One stage on one block: columns are laid out, then the fused tasks run chunk by chunk.
 use super::buffers::Buffers;
 use super::halo::{Around, Clear, LoadRegion, SumPartials, ValuesAround};
-use super::meter::{Laps, Part, What};
+use super::meter::{Laps, StagePart, What};
 use super::scratch::{AHEAD, CHUNK, Scratch};
 use crate::data::extent;
 use crate::data::fields::{FieldId, Fields};
@@ -14,7 +14,7 @@ use crate::data::shared::Shared;
 use crate::data::warehouse::{MaterialData, NodePatch, ParticlePatch};
 use crate::data::workspace::{Workspace, no_columns, recycle};
 use crate::graph::phase::Stage;
-use crate::graph::recipe::{Entry, Recipe};
+use crate::graph::recipe::{Recipe, RecipeLine};
 use crate::graph::task::{At, Domain, Mode, Runnable};
 use crate::schema::{Home, Life};
 use grid::{BlockShape, Level};
@@ -51,7 +51,7 @@ impl Context<'_> {
 
     /// A span a task: at level TRACE, because a task runs for microseconds.
     fn span(&self, entry: usize) -> tracing::span::Span {
-        let Entry { task, material, .. } = &self.recipe.entries[entry];
+        let RecipeLine { task, material, .. } = &self.recipe.entries[entry];
         let material = material.map_or("", |m| &self.recipe.materials[m]);
         tracing::trace_span!("task", name = task.declaration().name, material)
     }
@@ -75,9 +75,9 @@ pub fn sweep<const METERED: bool>(
         (Laps::<METERED>::begin(&mut scratch.tally), |part| What::Part(stage.entries[0], part));
     let (mut columns, shared, _) = scratch.lend();
     ready_buffers(context, stage, data.fields, block);
-    laps.lap(part(Part::Zeroing));
+    laps.lap(part(StagePart::Zeroing));
     load_regions(context, stage, nodes, block, &mut columns);
-    laps.lap(part(Part::LoadRegion));
+    laps.lap(part(StagePart::LoadRegion));
     let (count, tiles, near, index) = (block.count, block.tiles(), block.near, block.index);
     let Split { columns: own, partials, extent: bounds } = block.split(&data.layout);
     own.for_each(|(label, column)| columns[label.index()] = column);
@@ -96,7 +96,7 @@ pub fn sweep<const METERED: bool>(
     let mut space = Workspace { columns, chunk: 0..0, ahead: AHEAD, widths: &data.layout.widths };
     let mut at = context.at(index);
     let traced = tracing::enabled!(tracing::Level::TRACE);
-    laps.lap(part(Part::Setup));
+    laps.lap(part(StagePart::Setup));
     for first in (0..tiles).step_by(CHUNK) {
         space.chunk = first..(first + CHUNK).min(tiles);
         at.count = (count - first * LANES).min(CHUNK * LANES);
@@ -214,13 +214,13 @@ pub fn update_nodes<const METERED: bool>(
             columns[label.index()] = &mut column[..lines];
         }
     }
-    laps.lap(part(Part::SumPartials));
+    laps.lap(part(StagePart::SumPartials));
     lend_shared(&mut columns, shared, None);
     let mut space = Workspace { columns, chunk: 0..0, ahead: 0, widths: &[] };
     let mut at = context.at(index);
     at.fields = fields;
     let traced = tracing::enabled!(tracing::Level::TRACE);
-    laps.lap(part(Part::Setup));
+    laps.lap(part(StagePart::Setup));
     for &entry in &stage.entries {
         let _span = traced.then(|| context.span(entry).entered());
         context.task(entry).run_on(context.isa, &at, &mut space);

@@ -10,7 +10,7 @@ use super::ranks::migrate;
 use super::ranks::occupied::{self, Beside};
 use super::ranks::reduction::{self, Counters};
 use super::ranks::{Network, NetworkError};
-use super::relocate::{Leaving, Relocation, Way};
+use super::relocate::{Leaving, Relocation, Transit};
 use super::scratch::Scratch;
 use super::stage::{self, Context};
 use super::trace::{Event, Recorder};
@@ -244,7 +244,7 @@ impl Engine {
     ) -> Result<Relocation, NetworkError> {
         let moved = |material: usize| self.schedule.ends(material);
         let (labels, trace) = (&graph.at_end[..], &self.trace);
-        let mut way = Way { network, beside: &self.beside, labels, leaving, trace };
+        let mut way = Transit { network, beside: &self.beside, labels, leaving, trace };
         let prepare = || Relocation::prepare(warehouse, &mut way, moved);
         self.metered(What::Relocation, prepare)
     }

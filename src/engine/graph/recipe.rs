@@ -4,7 +4,7 @@ use crate::schema::{LabelId, Schema};
 use petgraph::stable_graph::StableDiGraph;
 
 /// One line of a recipe.
-pub struct Entry {
+pub struct RecipeLine {
     /// The task.
     pub task: Box<dyn Runnable>,
     /// The material whose particles it runs over; `None`: all materials, or none.
@@ -18,7 +18,7 @@ pub struct Recipe {
     /// All labels of the application.
     pub schema: &'static Schema,
     /// The lines.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<RecipeLine>,
     /// Names of the materials, for messages and dumps.
     pub materials: Vec<String>,
 }
@@ -41,7 +41,7 @@ impl Recipe {
 
     fn push(&mut self, material: Option<usize>, because: &str, task: impl Runnable + 'static) {
         let because = because.to_owned();
-        self.entries.push(Entry { task: Box::new(task), material, because });
+        self.entries.push(RecipeLine { task: Box::new(task), material, because });
     }
 }
 

@@ -3,7 +3,7 @@ use super::ceilings::Ceiling;
 use super::report::{Row, Sweep, Vectors};
 use super::traffic::Traffic;
 use crate::simulation::Simulation;
-use engine::exec::meter::{Calibration, Part, Tally, What};
+use engine::exec::meter::{Calibration, StagePart, Tally, What};
 use engine::graph::build::TaskGraph;
 use engine::graph::phase::Stage;
 use engine::graph::task::Domain;
@@ -105,16 +105,16 @@ impl Findings<'_> {
 
 /// What a stage consists of: work of the engine, and tasks.
 fn contents(stage: &Stage) -> Vec<What> {
-    let has = |part: Part| match (part, stage.domain) {
+    let has = |part: StagePart| match (part, stage.domain) {
         (_, Domain::Once) => false,
-        (Part::Setup, _) => true,
-        (Part::SumPartials, Domain::Nodes) => !stage.sums.is_empty(),
-        (Part::Zeroing, Domain::Particles) => !stage.adds.is_empty(),
-        (Part::LoadRegion, Domain::Particles) => !stage.reads.is_empty(),
+        (StagePart::Setup, _) => true,
+        (StagePart::SumPartials, Domain::Nodes) => !stage.sums.is_empty(),
+        (StagePart::Zeroing, Domain::Particles) => !stage.adds.is_empty(),
+        (StagePart::LoadRegion, Domain::Particles) => !stage.reads.is_empty(),
         _ => false,
     };
     let parts =
-        Part::ALL.into_iter().filter(|&part| has(part)).map(|part| What::Part(stage.entries[0], part));
+        StagePart::ALL.into_iter().filter(|&part| has(part)).map(|part| What::Part(stage.entries[0], part));
     parts.chain(stage.entries.iter().map(|&entry| What::Entry(entry))).collect()
 }
 

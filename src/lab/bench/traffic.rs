@@ -9,7 +9,7 @@ use engine::data::layout::ParticleLayout;
 use engine::data::nodes::NodeBlock;
 use engine::data::particles::ParticleBlock;
 use engine::data::warehouse::Warehouse;
-use engine::exec::meter::{Part, What};
+use engine::exec::meter::{StagePart, What};
 use engine::graph::build::TaskGraph;
 use engine::graph::phase::Stage;
 use engine::graph::task::{Access, Domain};
@@ -85,7 +85,7 @@ impl Traffic {
     /// Partial sums are set to zero before anything is added: fetched and written back.
     fn add_partials(&mut self, stage: &Stage, block: &ParticleBlock) {
         for &label in &stage.adds {
-            self.add(What::Part(stage.entries[0], Part::Zeroing), 2 * used(block, label));
+            self.add(What::Part(stage.entries[0], StagePart::Zeroing), 2 * used(block, label));
         }
     }
 
@@ -97,7 +97,7 @@ impl Traffic {
                 block.present.iter().filter(|f| warehouse.fields.material(**f) == material).count()
             };
             let lines = blocks.map(fields).sum::<usize>() * warehouse.node_layout.nodes * label.width();
-            self.add(What::Part(stage.entries[0], Part::LoadRegion), lines);
+            self.add(What::Part(stage.entries[0], StagePart::LoadRegion), lines);
         }
     }
 
@@ -105,7 +105,7 @@ impl Traffic {
     fn add_nodes(&mut self, graph: &TaskGraph, warehouse: &Warehouse, stage: &Stage) {
         for &label in &stage.sums {
             let lines = warehouse.blocks().map(|(_, block)| used(block, label)).sum();
-            self.add(What::Part(stage.entries[0], Part::SumPartials), lines);
+            self.add(What::Part(stage.entries[0], StagePart::SumPartials), lines);
         }
         let values = |a: &&Access| matches!(a.label.crossing(), Crossing::Values(_)) && a.mode.writes();
         for label in stage.touched.iter().filter(values).map(|access| access.label) {

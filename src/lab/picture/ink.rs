@@ -27,7 +27,7 @@ impl Coloring {
 
 /// An entry of the legend.
 #[derive(Clone, Debug)]
-pub enum Entry {
+pub enum LegendEntry {
     /// A color and what it means.
     Ball(Color, String),
     /// Colors from 0 to a number, what it is and its unit.
@@ -38,7 +38,7 @@ pub enum Entry {
 #[derive(Debug)]
 pub struct Ink {
     pub colors: Vec<Color>,
-    pub legend: Vec<Entry>,
+    pub legend: Vec<LegendEntry>,
 }
 
 /// As the paper's figures 8 to 10: none, matrix, fiber, total.
@@ -73,9 +73,9 @@ impl Ink {
             Some(f) if f.is_finite() => FAILURE[usize::from((f.round() as u8).min(code::TOTAL))].0,
             _ => yielding(f64::from(plastic(i).unwrap_or(0.0)) / top),
         };
-        let mut legend: Vec<_> = FAILURE.iter().map(|&(c, text)| Entry::Ball(c, text.into())).collect();
+        let mut legend: Vec<_> = FAILURE.iter().map(|&(c, text)| LegendEntry::Ball(c, text.into())).collect();
         if !metal.is_empty() {
-            legend.push(Entry::Bar(yielding, top, "plastic strain"));
+            legend.push(LegendEntry::Bar(yielding, top, "plastic strain"));
         }
         Self { colors: (0..frame.particles()).map(color).collect(), legend }
     }
@@ -88,7 +88,7 @@ impl Ink {
         speeds.resize(frame.particles(), 0.0);
         let top = round_up(speeds.iter().copied().filter(|s| s.is_finite()).fold(1e-9, f64::max));
         let colors = speeds.iter().map(|s| heat(s / top)).collect();
-        Self { colors, legend: vec![Entry::Bar(heat, top, "m/s")] }
+        Self { colors, legend: vec![LegendEntry::Bar(heat, top, "m/s")] }
     }
 
     fn material(frame: &dyn Frame, scene: &Scene) -> Self {
@@ -96,7 +96,7 @@ impl Ink {
         let names = scene.materials.iter().enumerate();
         Self {
             colors: frame.materials().iter().map(|&m| color(m.into())).collect(),
-            legend: names.map(|(m, material)| Entry::Ball(color(m), material.name.clone())).collect(),
+            legend: names.map(|(m, material)| LegendEntry::Ball(color(m), material.name.clone())).collect(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The page around the particles: title, frame, scale bar, legend, directions.
 use super::canvas::{Canvas, Color};
 use super::font;
-use super::ink::{Entry, round_up};
+use super::ink::{LegendEntry, round_up};
 
 const WIDTH: f64 = 1000.0;
 const TALLEST: f64 = 1000.0;
@@ -91,18 +91,18 @@ impl Sheet {
     }
 
     /// Scale bar, directions and what colors mean.
-    pub fn legend(&mut self, entries: &[Entry]) {
+    pub fn legend(&mut self, entries: &[LegendEntry]) {
         let y = self.corner[1] + self.size[1] + 30.0;
         self.scale_bar(y);
         self.directions(y);
         let (mut x, y) = (MARGIN, y + 44.0);
         for entry in entries {
             x = match entry {
-                Entry::Ball(color, text) => {
+                LegendEntry::Ball(color, text) => {
                     self.canvas.ball([x + 8.0, y], 0.0, 8.0, *color);
                     self.label(text, [x + 22.0, y])
                 }
-                Entry::Bar(color, top, what) => {
+                LegendEntry::Bar(color, top, what) => {
                     let left = self.label("0", [x, y]) + 8.0;
                     self.canvas.fill([left, y - 6.0], [left + 110.0, y + 6.0], color);
                     self.label(&format!("{} {what}", short(*top)), [left + 118.0, y])

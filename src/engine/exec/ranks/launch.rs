@@ -32,14 +32,14 @@ impl Launch {
     ///
     /// # Errors
     /// Several processes, and a Sinew that was built without MPI.
-    pub fn connect(self) -> Result<(Box<dyn Network>, Site), String> {
+    pub fn connect(self) -> Result<(Box<dyn Network>, Machine), String> {
         if self.size == 1 {
-            return Ok((Box::new(Alone), Site { ranks: 1, threading: Threading::Multiple }));
+            return Ok((Box::new(Alone), Machine { ranks: 1, threading: Threading::Multiple }));
         }
         #[cfg(feature = "mpi")]
         {
             let mpi = super::mpi::Mpi::start().ok_or("MPI was started before in this process")?;
-            let site = Site { ranks: mpi.ranks_here(), threading: mpi.threading() };
+            let site = Machine { ranks: mpi.ranks_here(), threading: mpi.threading() };
             Ok((Box::new(mpi), site))
         }
         #[cfg(not(feature = "mpi"))]
@@ -53,7 +53,7 @@ impl Launch {
 
 /// What a rank finds where it runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Site {
+pub struct Machine {
     /// Ranks on this machine, itself included.
     pub ranks: usize,
     /// What MPI lets its threads do.
