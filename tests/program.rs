@@ -131,10 +131,10 @@ fn what_lives_too_short_for_another_graph_or_round_is_found() {
 }
 
 #[test]
-fn sums_that_nobody_adds_up_are_found() {
-    let expected = RoundHazard::NotSummed { site: site("UseKept", "use", Kept::ID), from: "keep".into() };
+fn sums_that_nobody_adds_up_are_refused() {
     let script = vec![graph!("keep": WOOD => Keep), graph!("use": None => UseKept), collect()];
-    one(script, expected, &["not summed", "UseKept", "graph keep"]);
+    let refused = build(script).err().expect("a refusal").to_string();
+    assert!(refused.contains("Keep[wood] adds to Kept") && refused.contains("read it there"), "{refused}");
     // in one graph they are
     assert_eq!(hazards(&program(vec![graph!("all": WOOD => Keep, None => UseKept), collect()])), []);
 }

@@ -2,7 +2,6 @@
 use super::follow::{Course, Left, Read, follow};
 use super::{Loop, Program};
 use crate::graph::build::TaskGraph;
-use crate::graph::phase::Stage;
 use crate::graph::task::{Domain, Mode};
 use crate::schema::{Crossing, Home, LabelId, Life};
 use std::fmt;
@@ -35,13 +34,6 @@ pub enum RoundHazard {
         /// Who reads what.
         site: Site,
         /// The graph that writes it.
-        from: String,
-    },
-    /// Particles add to it in an earlier graph, and no task over nodes reads it there: the parts are not added up.
-    NotSummed {
-        /// Who reads what.
-        site: Site,
-        /// The graph in which particles add to it.
         from: String,
     },
     /// Nodes had it before particles went to other blocks: nodes that are new do not have it.
@@ -85,10 +77,6 @@ impl fmt::Display for RoundHazard {
                 f,
                 "short-lived: {site} of graph {from}, but it lives for a {}: let it live for a step",
                 span(site.label.life())
-            ),
-            Self::NotSummed { site, from } => write!(
-                f,
-                "not summed: {site}, to which particles add in graph {from}, where no task over nodes reads it: let one pass it on there"
             ),
             Self::Moved { site, from, by } => write!(
                 f,
@@ -145,9 +133,6 @@ fn hazard(course: &Course<'_>, read: &Read) -> Option<RoundHazard> {
             Some(RoundHazard::ShortLived { site, from: name(from) })
         }
         (Life::Step, Some(by)) => Some(RoundHazard::Moved { site, from: name(from), by: name(by) }),
-        (Life::Step, None) if !summed(course.graphs[from], label) => {
-            Some(RoundHazard::NotSummed { site, from: name(from) })
-        }
         (Life::Step, None) => (!sent(graph, read)).then_some(RoundHazard::NotSent(site)),
     }
 }
@@ -184,14 +169,6 @@ fn in_vain(course: &Course<'_>, read: &Read) -> Option<usize> {
     };
     let (before, after) = (0..read.graph, read.graph..course.graphs.len());
     before.rev().chain(after.rev()).find(writes)
-}
-
-/// Whether the parts that particles add to a label are together when a graph is over.
-fn summed(graph: &TaskGraph, label: LabelId) -> bool {
-    let stages: Vec<&Stage> = graph.phases.iter().flat_map(|phase| &phase.stages).collect();
-    let adds = stages.iter().rposition(|stage| stage.adds.contains(&label));
-    let sums = stages.iter().rposition(|stage| stage.sums.contains(&label));
-    !label.is_partial() || adds.is_none_or(|adds| sums.is_some_and(|sums| sums > adds))
 }
 
 /// Whether the ghosts that a task reads of what an earlier graph left have been sent.
