@@ -109,7 +109,9 @@ impl Relocation {
     /// Those that leave their blocks here for others, and for nowhere.
     fn depart(warehouse: &Warehouse, moved: &impl Fn(usize) -> bool) -> (Self, Vec<Traveler>, Vec<Traveler>) {
         let (mut relocation, mut travelers, mut lost) = (Self::default(), Vec::new(), Vec::new());
-        let keeps = warehouse.node_layout.carried().next().is_some();
+        // where materials wait, nodes catch up in other sums than those that go along: which do must not depend on when blocks
+        // were activated
+        let keeps = warehouse.own_rates || warehouse.node_layout.carried().next().is_some();
         for patch in warehouse.partition.mine() {
             let homes = warehouse.particles[patch].iter().enumerate();
             for (material, home) in homes.filter(|(material, _)| moved(*material)) {
