@@ -14,7 +14,7 @@ pub fn connect() -> Result<(Box<dyn Network>, Machine), Failure> {
 pub fn share_cores(scene: &mut Scene, site: Machine, network: &mut dyn Network) -> Result<(), Failure> {
     let (threads, note) = launch::threads(scene.run.threads, site.ranks);
     scene.run.threads = Some(threads);
-    agree(network, site.threading.admits(threads).map_err(Failure::usage))?;
+    agree(network, launch::admit(site.threading, threads).map_err(Failure::usage))?;
     if let (0, Some(note)) = (network.rank(), note) {
         eprintln!("note: {note}");
     }

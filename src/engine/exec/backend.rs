@@ -1,12 +1,9 @@
 //! Where stages run, and where the labels of blocks are meanwhile.
 use super::Executor;
 use super::ranks::halos::{Incoming, Outgoing};
-use super::scratch::Scratch;
-use super::stage::Context;
-use super::work::{self, Blocks, Memory, Watch, Which};
+use super::work::{self, Blocks, Call, Which};
 use crate::graph::exchange::Exchange;
 use crate::graph::phase::Phase;
-use std::sync::Mutex;
 
 /// Runs stages on blocks. A stage says which labels it reads and writes, and of which blocks around; a backend may have them
 /// in memory of its own, and hands them to the host only where the host asks: see [`Backend::download`]. What a block is, and
@@ -50,20 +47,6 @@ pub enum Purpose<'a> {
     Relocation,
     /// A program begins or has ended: all that passes from one to the next.
     Program,
-}
-
-/// How stages are run.
-pub struct Call<'a> {
-    /// What is the same for all blocks.
-    pub context: Context<'a>,
-    /// One a worker.
-    pub scratch: &'a [Mutex<Scratch>],
-    /// Of lists of blocks.
-    pub memory: &'a mut Memory,
-    /// Whether work is metered.
-    pub metered: bool,
-    /// What looks at the work.
-    pub watch: Watch<'a>,
 }
 
 impl<E: Executor> Backend for E {

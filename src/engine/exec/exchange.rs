@@ -1,9 +1,9 @@
 //! Exchanges of a wave as they are carried out: packed, sent, expected, taken in as they arrive.
-use super::backend::{Backend, Call, Purpose};
-use super::ranks::halos::Halos;
+use super::backend::{Backend, Purpose};
+use super::ranks::halos::{Halos, Incoming, Outgoing};
 use super::ranks::{Channel, Network, NetworkError};
 use super::trace::Event;
-use super::work::Blocks;
+use super::work::{Blocks, Call};
 use crate::graph::exchange::{Exchange, Way};
 use simd::Wide;
 
@@ -46,7 +46,8 @@ impl<'a> Exchanges<'a> {
         let [messages, lines] = match exchange.way {
             Way::Partials => {
                 let to = (&mut *self.network, channel);
-                self.halos.send_partials(to, exchange, &call.context, data.particles, self.backend)
+                let pack = |outgoing: &mut [Outgoing<'_>]| self.backend.pack(outgoing);
+                self.halos.send_partials(to, exchange, &call.context, data.particles, pack)
             }
             Way::Values => {
                 let from = (&*data.particles, &*data.nodes);
@@ -93,7 +94,8 @@ impl<'a> Exchanges<'a> {
             self.backend.download(Purpose::Exchange(exchange), data);
             match exchange.way {
                 Way::Partials => {
-                    let into = (&mut *data.particles, self.backend);
+                    let unpack = |incoming: &mut [Incoming<'_>]| self.backend.unpack(incoming);
+                    let into = (&mut *data.particles, unpack);
                     self.halos.unpack_partials(from, exchange, &call.context, into)?;
                 }
                 Way::Values => {

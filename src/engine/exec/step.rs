@@ -1,5 +1,5 @@
 //! Runs graphs: the segments of a tick, one after the other.
-use super::backend::{Backend, Call, Purpose};
+use super::backend::{Backend, Purpose};
 use super::buffers::Buffers;
 use super::exchange::Exchanges;
 use super::lending::{begin, collect, lend};
@@ -15,7 +15,7 @@ use super::scratch::Scratch;
 use super::stage::{self, Context};
 use super::trace::{Event, Recorder};
 use super::wave;
-use super::work::{Blocks, Memory, Watch, Which, lock};
+use super::work::{Blocks, Call, Memory, Watch, Which, lock};
 use crate::data::schedule::Schedule;
 use crate::data::shared::Shared;
 use crate::data::warehouse::Warehouse;

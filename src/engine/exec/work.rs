@@ -1,8 +1,7 @@
 //! Phases over blocks: lists of blocks, spread over workers.
 use super::Executor;
-use super::backend::Call;
 use super::scratch::Scratch;
-use super::stage;
+use super::stage::{self, Context};
 use super::trace::{Event, Kind, NONE, Recorder};
 use crate::data::layout::NodeLayout;
 use crate::data::nodes::NodeBlock;
@@ -15,6 +14,20 @@ use grid::{Decomposition, Partition, Patch};
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
+
+/// How stages are run.
+pub struct Call<'a> {
+    /// What is the same for all blocks.
+    pub context: Context<'a>,
+    /// One a worker.
+    pub scratch: &'a [Mutex<Scratch>],
+    /// Of lists of blocks.
+    pub memory: &'a mut Memory,
+    /// Whether work is metered.
+    pub metered: bool,
+    /// What looks at the work.
+    pub watch: Watch<'a>,
+}
 
 /// Looks at work on blocks: for traces, and for the balance of ranks.
 #[derive(Clone, Copy)]

@@ -1,5 +1,5 @@
 use super::Channel;
-use super::launch::Threading;
+use super::threading::Threading;
 
 /// Why ranks cannot go on together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,6 +1,7 @@
 //! What a launcher such as `mpirun` tells a process before MPI has begun.
+use super::threading::Threading;
 use super::{Alone, Network, NetworkError};
-use std::{env, fmt};
+use std::env;
 
 /// Place of this process among those that were launched together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,42 +61,12 @@ pub struct Machine {
     pub threading: Threading,
 }
 
-/// What an MPI library lets the threads of a process do, in ascending order (MPI 3.1, 12.4.3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Threading {
-    /// There is one thread.
-    Single,
-    /// One of several threads calls MPI, the one that started it: all that Sinew needs.
-    Funneled,
-    /// All of them call it, one at a time.
-    Serialized,
-    /// All of them call it.
-    Multiple,
-}
-
-impl Threading {
-    /// Whether a rank may have so many threads.
-    ///
-    /// # Errors
-    /// If it may have one alone.
-    pub fn admits(self, threads: usize) -> Result<(), NetworkError> {
-        if threads <= 1 || self >= Self::Funneled {
-            return Ok(());
-        }
-        Err(NetworkError::Threading { granted: self, threads })
-    }
-}
-
-impl fmt::Display for Threading {
-    /// As MPI calls it.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Single => "MPI_THREAD_SINGLE",
-            Self::Funneled => "MPI_THREAD_FUNNELED",
-            Self::Serialized => "MPI_THREAD_SERIALIZED",
-            Self::Multiple => "MPI_THREAD_MULTIPLE",
-        })
-    }
+/// Whether a rank may have so many threads.
+///
+/// # Errors
+/// If MPI lets it have one alone.
+pub fn admit(granted: Threading, threads: usize) -> Result<(), NetworkError> {
+    if granted.admits(threads) { Ok(()) } else { Err(NetworkError::Threading { granted, threads }) }
 }
 
 /// Cores of this machine, and those that this process may use. `None`: unknown.
@@ -139,10 +110,10 @@ mod tests {
     fn several_threads_need_an_mpi_that_knows_of_them() {
         let levels = [Threading::Single, Threading::Funneled, Threading::Serialized, Threading::Multiple];
         for level in levels {
-            assert_eq!(level.admits(1), Ok(()), "{level}");
-            assert_eq!(level.admits(2).is_ok(), level != Threading::Single, "{level}");
+            assert!(level.admits(1), "{level}");
+            assert_eq!(level.admits(2), level != Threading::Single, "{level}");
         }
-        let error = Threading::Single.admits(8).expect_err("too many").to_string();
+        let error = admit(Threading::Single, 8).expect_err("too many").to_string();
         for fact in ["8 threads", "MPI_THREAD_FUNNELED", "MPI_THREAD_SINGLE", "--threads 1"] {
             assert!(error.contains(fact), "{error}");
         }

@@ -9,6 +9,7 @@ pub mod migrate;
 pub mod mpi;
 pub mod occupied;
 pub mod reduction;
+pub mod threading;
 pub mod words;
 
 pub use error::NetworkError;

@@ -4,7 +4,7 @@
 //! module owns until they are done; that is what the unsafe code here is for, because the safe interface of the crate
 //! binds requests to a scope, and a step is no scope.
 #![allow(unsafe_code)]
-use super::launch::Threading;
+use super::threading::Threading;
 use super::{Channel, Network, NetworkError};
 use mpi::Count;
 use mpi::datatype::{Equivalence, UserDatatype};

@@ -12,7 +12,6 @@ use super::occupied::Beside;
 use super::{Channel, Network, NetworkError};
 use crate::data::particles::ParticleBlock;
 use crate::data::warehouse::{NodePatch, ParticlePatch, Warehouse};
-use crate::exec::backend::Backend;
 use crate::exec::stage::Context;
 use crate::graph::exchange::{Exchange, Way};
 use adder::{Adder, adders};
@@ -122,7 +121,7 @@ impl Halos {
         exchange: &Exchange,
         context: &Context<'_>,
         particles: &[Vec<ParticlePatch>],
-        backend: &dyn Backend,
+        pack: impl Fn(&mut [Outgoing<'_>]),
     ) -> [usize; 2] {
         let mut sent = [0; 2];
         for neighbor in &self.neighbors {
@@ -140,7 +139,7 @@ impl Halos {
                 Outgoing { adder, exchange, context, particles, piece }
             };
             let mut pieces: Vec<Outgoing<'_>> = sizes.into_iter().map(piece).collect();
-            backend.pack(&mut pieces);
+            pack(&mut pieces);
             sent = [sent[0] + 1, sent[1] + message.len()];
             network.send(neighbor.rank, channel, message);
         }
@@ -156,7 +155,7 @@ impl Halos {
         (rank, channel, message): From<'_>,
         exchange: &Exchange,
         context: &Context<'_>,
-        (particles, backend): (&mut [Vec<ParticlePatch>], &dyn Backend),
+        (particles, unpack): (&mut [Vec<ParticlePatch>], impl Fn(&mut [Incoming<'_>])),
     ) -> Result<(), NetworkError> {
         let mut reader = Reader { message, at: 0 };
         let neighbor = self.neighbors.iter().find(|it| it.rank == rank);
@@ -180,7 +179,7 @@ impl Halos {
             }
         }
         reader.finish(rank, channel)?;
-        backend.unpack(&mut pieces);
+        unpack(&mut pieces);
         Ok(())
     }
 
