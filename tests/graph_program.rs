@@ -3,9 +3,8 @@ mod common;
 #[path = "common/toy.rs"]
 mod toy;
 
-use engine::graph::traffic::Traffic;
+use engine::graph::traffic::{Between, Passing, Traffic};
 use engine::program::{Program, When};
-use engine::schema::{Label, LabelId};
 use roxmltree::{Document, Node};
 use serde_json::Value;
 use sinew::lab::diagram::{Chart, Kind};
@@ -24,12 +23,8 @@ fn shown() -> Shown {
     let own = vec![StepAtRest { size: 1.0, ticks: 1 }; 2];
     let cycle = Cycle { most: None, tick: 1.0, fastest: 0, own };
     let each = || vec![vec![800, 400]; 2];
-    let lines = || -> BTreeMap<(LabelId, usize), u64> {
-        [Sums::ID, Field::ID]
-            .into_iter()
-            .flat_map(|label| [((label, WOOD), 64), ((label, IRON), 32)])
-            .collect()
-    };
+    let nodes = |count| Passing { adders: 1, added: [count, 0], read: [count, 0], whole: [count, 0] };
+    let passing = || -> Between { [(0, 1), (1, 0)].map(|pair| (pair, vec![nodes(64), nodes(32)])).into() };
     let beside = [(0, 1), (1, 0)];
     let traffic = Traffic {
         ranks: 2,
@@ -38,9 +33,9 @@ fn shown() -> Shown {
         near: each(),
         blocks: vec![vec![2, 1]; 2],
         nodes: each(),
-        between: beside.iter().map(|&pair| (pair, lines())).collect(),
-        to_rank: beside.iter().map(|&pair| (pair, lines())).collect(),
-        adders: beside.iter().map(|&pair| (pair, 2)).collect(),
+        fields: vec![1; 2],
+        between: passing(),
+        to_rank: passing(),
         neighbors: beside.into(),
         reduction: beside.into(),
         ..Traffic::default()

@@ -7,7 +7,8 @@ use engine::exec::ranks::local::Local;
 use engine::exec::ranks::{Channel, Network, NetworkError, collective};
 use engine::graph::recipe::Why;
 use engine::graph::task::Domain;
-use engine::graph::traffic::{Messages, names};
+use engine::graph::traffic::{Between, LINE, Messages, names};
+use engine::schema::LabelId;
 use grid::{Level, around};
 use scene::Scene;
 use scene::sampling;
@@ -18,6 +19,7 @@ use sinew::simulation::Simulation;
 use sinew::simulation::layout::level;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Barrier, Mutex};
+use tasks::labels::SCHEMA;
 use tasks::recipes;
 
 /// By material and block: the lowest and highest base node on each axis.
@@ -97,14 +99,28 @@ fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
     {
         let shown = shown(name, &[], patches, 3);
         let traffic = &shown.plan.traffic;
-        let named = |table: &BTreeMap<(usize, usize), engine::graph::traffic::Lines>| -> Counted {
-            let lines = |lines: &engine::graph::traffic::Lines| {
-                lines.iter().map(|(&(label, m), &n)| ((label.name().to_owned(), m), n)).collect()
+        let named = |pairs: &Between, bytes: &dyn Fn(usize, usize, LabelId, usize) -> u64| -> Counted {
+            let mut named = Counted::new();
+            let keys = || {
+                SCHEMA.labels().flat_map(|label| (0..shown.scene.materials.len()).map(move |m| (label, m)))
             };
-            table.iter().map(|(&pair, list)| (pair, lines(list))).collect()
+            for (&(from, to), (label, material)) in
+                pairs.keys().flat_map(|pair| keys().map(move |key| (pair, key)))
+            {
+                let bytes = bytes(from, to, label, material);
+                if bytes > 0 {
+                    named
+                        .entry((from, to))
+                        .or_default()
+                        .insert((label.name().to_owned(), material), bytes / LINE);
+                }
+            }
+            named
         };
-        assert_eq!(named(&traffic.between), brute(&shown, |patch| patch), "{name}");
-        assert_eq!(named(&traffic.to_rank), brute(&shown, |patch| traffic.rank_of[patch]), "{name}");
+        let patches = named(&traffic.between, &|from, to, label, m| traffic.patch_bytes(from, to, label, m));
+        let ranks = named(&traffic.to_rank, &|from, to, label, m| traffic.rank_bytes(from, to, label, m));
+        assert_eq!(patches, brute(&shown, |patch| patch), "{name}");
+        assert_eq!(ranks, brute(&shown, |patch| traffic.rank_of[patch]), "{name}");
         // what a diagram says is the same in both forms
         let bytes = |expanded: bool, wanted: &dyn Fn(Kind) -> bool| -> u64 {
             let diagram = shown.diagram(expanded);
@@ -117,8 +133,9 @@ fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
         for expanded in [false, true] {
             let diagram = shown.diagram(expanded);
             let sent: u64 = diagram.items.iter().filter(|i| halos(i.kind)).map(|i| i.messages.bytes).sum();
-            let heads = traffic.adders.iter().filter(|((p, to), _)| traffic.rank_of[*p] != *to);
-            let heads: u64 = heads.map(|(_, blocks)| 64 * blocks).sum();
+            let heads = traffic.to_rank.iter().filter(|((p, to), _)| traffic.rank_of[*p] != *to);
+            let heads: u64 =
+                heads.flat_map(|(_, passing)| passing).map(|passing| LINE * passing.adders).sum();
             // the motion of rigid bodies travels, although no task takes it
             let rigid = name == "sliding-block";
             assert!(

@@ -91,6 +91,21 @@ impl Decomposition {
         Some(id)
     }
 
+    /// The patches that hold some of `blocks`.
+    pub fn holders(&self, blocks: IndexBox) -> impl Iterator<Item = usize> {
+        let [lower, upper]: [[i32; 3]; 2] = std::array::from_fn(|end| {
+            std::array::from_fn(|a| {
+                let (cuts, index) = (&self.cuts[a], [blocks.lower[a], blocks.upper[a] - 1][end]);
+                let position = cuts.partition_point(|&cut| cut <= index) as i32;
+                position.clamp(1, self.counts[a] as i32) - 1 + end as i32
+            })
+        });
+        let [_, ny, nz] = self.counts;
+        IndexBox { lower, upper }
+            .iter()
+            .map(move |[x, y, z]| (x as usize * ny + y as usize) * nz + z as usize)
+    }
+
     /// About as many patches as asked for, at least so many if the level has the blocks, cut where that spreads the load
     /// best: `loads` are the occupied blocks with what each costs.
     pub fn automatic(level: &Level, wanted: usize, loads: &[(BlockIndex, u64)]) -> [usize; 3] {
@@ -123,6 +138,21 @@ impl Decomposition {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn holders_are_the_owners_of_blocks_in_the_level() {
+        let level = Level { lower: [0.0; 3], cell: 1.0, cells: [40, 20, 0] };
+        let patches = Decomposition::new(&level, [4, 2, 1]).expect("patches that fit");
+        for side in 1..=4 {
+            for lower in level.blocks().grown(-side + 1).iter() {
+                let blocks = IndexBox { lower, upper: lower.map(|i| i + side) }.grown(1);
+                let owners: BTreeSet<usize> =
+                    blocks.iter().filter_map(|block| patches.owner(block)).collect();
+                assert!(patches.holders(blocks).eq(owners), "{blocks:?}");
+            }
+        }
+    }
 
     #[test]
     fn more_than_can_be_numbered_is_refused() {

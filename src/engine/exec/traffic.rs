@@ -1,14 +1,14 @@
 //! Counts what patches and ranks send each other: from the blocks as they are, nothing is sent.
 use super::halo::{back, overlap};
 use super::ranks::collective::{self, Act};
-use super::ranks::occupied::beside;
+use crate::data::activate::FARTHEST;
 use crate::data::extent;
-use crate::data::nodes::{NOWHERE, is_there};
+use crate::data::nodes::NOWHERE;
 use crate::data::particles::ParticleBlock;
 use crate::data::warehouse::Warehouse;
-use crate::graph::traffic::{Lines, Traffic};
-use crate::schema::{Crossing, LabelId};
-use grid::{Decomposition, IndexBox, Partition};
+use crate::graph::traffic::{Between, Passing, Traffic};
+use crate::schema::LabelId;
+use grid::{BlockIndex, Decomposition, IndexBox, Partition};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What the patches of an activated warehouse that holds all particles send each other, if `partition` says who is on
@@ -24,6 +24,8 @@ pub fn count(warehouse: &Warehouse, partition: &Partition) -> Traffic {
         let of = |blocks: &[ParticleBlock]| blocks.iter().map(count).sum::<usize>() as u64;
         warehouse.particles.iter().map(|homes| homes.iter().map(|home| of(&home.blocks)).collect()).collect()
     };
+    let patch_of = |index| warehouse.decomposition.owner(index).unwrap_or(0);
+    let rank_at = |index| rank_of[patch_of(index)];
     Traffic {
         ranks: partition.ranks,
         particles: by_material(&|block| block.count),
@@ -31,14 +33,33 @@ pub fn count(warehouse: &Warehouse, partition: &Partition) -> Traffic {
         blocks: by_material(&|_| 1),
         of_material: of_material(warehouse),
         nodes: nodes(warehouse),
-        between: between(warehouse, |patch| patch, false),
-        to_rank: between(warehouse, |patch| rank_of[patch], false),
-        whole: between(warehouse, |patch| rank_of[patch], true),
-        adders: adders(warehouse, &rank_of),
-        neighbors: neighbors(&warehouse.decomposition, &rank_of, partition.ranks),
+        fields: fields(warehouse),
+        between: between(warehouse, patch_of, patch_of),
+        to_rank: between(warehouse, patch_of, rank_at),
+        neighbors: neighbors(&warehouse.decomposition, &rank_of),
         reduction: reduction(partition.ranks),
         rank_of,
     }
+}
+
+/// What the ranks of a partition send each other, each seen as one patch, without what lies on them. The warehouse may be cut
+/// into other patches than `decomposition` has.
+pub fn between_ranks(warehouse: &Warehouse, decomposition: &Decomposition, partition: &Partition) -> Traffic {
+    let rank_of: Vec<usize> =
+        (0..decomposition.patches.len()).map(|patch| partition.rank_of(patch)).collect();
+    let rank_at = |index| decomposition.owner(index).map_or(0, |patch| rank_of[patch]);
+    Traffic {
+        ranks: partition.ranks,
+        fields: fields(warehouse),
+        to_rank: between(warehouse, rank_at, rank_at),
+        neighbors: neighbors(decomposition, &rank_of),
+        rank_of: (0..partition.ranks).collect(),
+        ..Traffic::default()
+    }
+}
+
+fn fields(warehouse: &Warehouse) -> Vec<u64> {
+    (0..warehouse.materials.len()).map(|material| warehouse.fields.of(material).len() as u64).collect()
 }
 
 /// Lines a tile of labels whose tiles materials decide.
@@ -64,75 +85,61 @@ fn nodes(warehouse: &Warehouse) -> Vec<Vec<u64>> {
     warehouse.nodes.iter().map(of).collect()
 }
 
-/// Lines from each patch to each receiver, where patch p belongs to receiver `part(p)`; if `whole`, of all nodes that
-/// particles may touch.
+/// What passes from the places of blocks, as `from` says, to receivers, as `to` says.
 fn between(
     warehouse: &Warehouse,
-    part: impl Fn(usize) -> usize,
-    whole: bool,
-) -> BTreeMap<(usize, usize), Lines> {
-    let mut all: BTreeMap<(usize, usize), Lines> = BTreeMap::new();
-    let mut add = |from, to, label, material, lines: usize| {
-        *all.entry((from, to)).or_default().entry((label, material)).or_default() += lines as u64;
+    from: impl Fn(BlockIndex) -> usize,
+    to: impl Fn(BlockIndex) -> usize,
+) -> Between {
+    let (shape, materials) = (warehouse.level.shape(), warehouse.materials.len());
+    let mut all = Between::new();
+    let mut at = |pair, material: usize, change: &dyn Fn(&mut Passing)| {
+        change(&mut all.entry(pair).or_insert_with(|| vec![Passing::default(); materials])[material]);
     };
-    let shape = warehouse.level.shape();
-    let labels = |partial: bool| {
-        let crosses = move |label: &LabelId| match label.crossing() {
-            Crossing::None => false,
-            Crossing::Partials(_) => partial,
-            Crossing::Values(_) => !partial,
-        };
-        warehouse.schema.labels().filter(crosses)
-    };
-    let fields = |material| warehouse.fields.of(material).len();
-    // the smallest box around the nodes of a block that a receiver's particles of a material read
-    let mut read: BTreeMap<((u32, u32), usize, usize), IndexBox> = BTreeMap::new();
-    for (patch, homes) in warehouse.particles.iter().enumerate() {
-        for (material, block) in
-            homes.iter().enumerate().flat_map(|(m, home)| home.blocks.iter().map(move |b| (m, b)))
-        {
-            let touched = match whole {
-                true => IndexBox { lower: [0; 3], upper: shape.buffer },
-                false => extent::touched(&block.extent, &warehouse.level, block.index),
-            };
-            for (q, &place) in block.around.iter().enumerate().filter(|(_, place)| **place != NOWHERE) {
-                let Some((nodes, _)) = overlap(&shape, back(q), &touched) else { continue };
-                let to = part(place.0 as usize);
-                for label in labels(true).filter(|label| block.near || !label.where_fields_meet()) {
-                    add(patch, to, label, material, nodes.len() * label.width() * fields(material));
-                }
-                let known = read.entry((place, material, part(patch))).or_insert(nodes);
-                *known = known.around(&nodes);
+    // the smallest boxes around the nodes of a block that a receiver's particles of a material read, and may read
+    let mut read: BTreeMap<((u32, u32), usize, usize), [IndexBox; 2]> = BTreeMap::new();
+    let may = IndexBox { lower: [0; 3], upper: shape.buffer };
+    let node_block = |place: (u32, u32)| &warehouse.nodes[place.0 as usize].blocks[place.1 as usize];
+    for (material, block) in warehouse.blocks() {
+        let touched = extent::touched(&block.extent, &warehouse.level, block.index);
+        let mut receivers = BTreeSet::new();
+        for (q, &place) in block.around.iter().enumerate().filter(|(_, place)| **place != NOWHERE) {
+            let (sender, receiver) = (from(block.index), to(node_block(place).index));
+            if receivers.insert(receiver) {
+                at((sender, receiver), material, &|passing| passing.adders += 1);
+            }
+            let nothing = IndexBox { lower: [0; 3], upper: [0; 3] };
+            let nodes =
+                [touched, may].map(|nodes| overlap(&shape, back(q), &nodes).map_or(nothing, |(it, _)| it));
+            let near = usize::from(block.near);
+            at((sender, receiver), material, &|passing| passing.added[near] += nodes[0].len() as u64);
+            let known = read.entry((place, material, to(block.index))).or_insert(nodes);
+            for (known, nodes) in known.iter_mut().zip(nodes).filter(|(_, nodes)| !nodes.is_empty()) {
+                *known = if known.is_empty() { nodes } else { known.around(&nodes) };
             }
         }
     }
-    for (((patch, at), material, to), nodes) in read {
-        let present = warehouse.nodes[patch as usize].blocks[at as usize].present.len();
-        for label in labels(false).filter(|label| is_there(*label, present)) {
-            add(patch as usize, to, label, material, nodes.len() * label.width() * fields(material));
-        }
+    for ((place, material, reader), nodes) in read {
+        let block = node_block(place);
+        let (several, [read, whole]) =
+            (usize::from(block.present.len() > 1), nodes.map(|it| it.len() as u64));
+        at((from(block.index), reader), material, &|passing| {
+            passing.read[several] += read;
+            passing.whole[several] += whole;
+        });
     }
     all
 }
 
-/// For each patch and rank, the particle blocks of the patch that have node blocks of the rank around them.
-fn adders(warehouse: &Warehouse, rank_of: &[usize]) -> BTreeMap<(usize, usize), u64> {
-    let mut adders = BTreeMap::new();
-    for (patch, homes) in warehouse.particles.iter().enumerate() {
-        for block in homes.iter().flat_map(|home| &home.blocks) {
-            let nodes = block.around.iter().filter(|place| **place != NOWHERE);
-            let ranks: BTreeSet<usize> = nodes.map(|place| rank_of[place.0 as usize]).collect();
-            ranks.into_iter().for_each(|rank| *adders.entry((patch, rank)).or_default() += 1);
-        }
+/// Pairs of ranks that have blocks in sight of each other, occupied or not.
+fn neighbors(decomposition: &Decomposition, rank_of: &[usize]) -> BTreeSet<(usize, usize)> {
+    let mut pairs = BTreeSet::new();
+    for patch in &decomposition.patches {
+        let here = rank_of[patch.id];
+        let seen = decomposition.holders(patch.blocks.grown(FARTHEST)).map(|other| rank_of[other]);
+        pairs.extend(seen.filter(|there| *there != here).map(|there| (here, there)));
     }
-    adders
-}
-
-/// Pairs of ranks that have blocks in sight of each other.
-fn neighbors(decomposition: &Decomposition, rank_of: &[usize], ranks: usize) -> BTreeSet<(usize, usize)> {
-    let of = || rank_of.iter().map(|&rank| rank as u32).collect();
-    let seen = |rank| beside(decomposition, &Partition::new(of(), rank, ranks)).into_iter();
-    (0..ranks).flat_map(|rank| seen(rank).map(move |other| (rank, other.rank))).collect()
+    pairs
 }
 
 /// Messages of `ranks::collective::reduce`.

@@ -2,16 +2,44 @@
 use super::build::TaskGraph;
 use super::exchange::{Exchange, Way};
 use super::phase::Phase;
-use crate::schema::{Home, LabelId};
+use crate::schema::{Crossing, Home, LabelId};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Bytes of a line: one node of one material, or eight numbers of anything else.
+/// Bytes of a line: one node of one field, or eight numbers of anything else.
 pub const LINE: u64 = 64;
 
-/// Lines by label and material.
-pub type Lines = BTreeMap<(LabelId, usize), u64>;
+/// What passes from one place to another because of the particles of a material. Nodes are counted where no other material
+/// is near or no other field is present, then where one is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Passing {
+    /// Particle blocks that have nodes of the receiver around them: each has a line in a message that says which nodes it
+    /// touches.
+    pub adders: u64,
+    /// Nodes of the receiver that particles of the sender add to.
+    pub added: [u64; 2],
+    /// Nodes of the sender that particles of the receiver read.
+    pub read: [u64; 2],
+    /// The same, if those of all nodes travel that particles may touch.
+    pub whole: [u64; 2],
+}
 
-/// What passes between patches and ranks when all materials act.
+impl Passing {
+    /// Nodes that pass with a label.
+    fn nodes(&self, label: LabelId, whole: bool) -> u64 {
+        let [elsewhere, there] = match label.crossing() {
+            Crossing::None => [0; 2],
+            Crossing::Partials(_) => self.added,
+            Crossing::Values(_) if whole => self.whole,
+            Crossing::Values(_) => self.read,
+        };
+        if label.where_fields_meet() { there } else { elsewhere + there }
+    }
+}
+
+/// By sender and receiver: what passes, by material.
+pub type Between = BTreeMap<(usize, usize), Vec<Passing>>;
+
+/// What passes between patches and ranks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Traffic {
     /// Number of ranks.
@@ -28,15 +56,12 @@ pub struct Traffic {
     pub of_material: BTreeMap<(LabelId, usize), u64>,
     /// Nodes: `[patch][material]`.
     pub nodes: Vec<Vec<u64>>,
+    /// Fields of each material.
+    pub fields: Vec<u64>,
     /// From patch to patch, and from a patch to itself.
-    pub between: BTreeMap<(usize, usize), Lines>,
+    pub between: Between,
     /// From a patch to a rank. What several patches of a rank read travels once.
-    pub to_rank: BTreeMap<(usize, usize), Lines>,
-    /// The same of values, if those of all nodes travel that particles may touch.
-    pub whole: BTreeMap<(usize, usize), Lines>,
-    /// For each patch and rank, the particle blocks of the patch that add to nodes of the rank: each has a line in a
-    /// message that says which nodes it touches.
-    pub adders: BTreeMap<(usize, usize), u64>,
+    pub to_rank: Between,
     /// Pairs of ranks (both ways) that have blocks in sight of each other.
     pub neighbors: BTreeSet<(usize, usize)>,
     /// Messages of one reduction, from rank to rank.
@@ -67,7 +92,8 @@ impl Traffic {
     pub fn none(materials: usize) -> Self {
         let zeros = || vec![vec![0; materials]];
         let (particles, near, blocks, nodes) = (zeros(), zeros(), zeros(), zeros());
-        Self { ranks: 1, rank_of: vec![0], particles, near, blocks, nodes, ..Self::default() }
+        let fields = vec![1; materials];
+        Self { ranks: 1, rank_of: vec![0], particles, near, blocks, nodes, fields, ..Self::default() }
     }
 
     /// Lines that eight particles of a material, or one of whatever else has the label, take.
@@ -83,62 +109,69 @@ impl Traffic {
         self.rank_of.len()
     }
 
-    /// Bytes of some labels of a material (`None`: of all) from patch to patch.
-    pub fn patch_bytes(&self, from: usize, to: usize, labels: &[LabelId], material: Option<usize>) -> u64 {
-        LINE * self.between.get(&(from, to)).map_or(0, |lines| select(lines, labels, material))
+    /// Bytes of a label of a material from patch to patch.
+    pub fn patch_bytes(&self, from: usize, to: usize, label: LabelId, material: usize) -> u64 {
+        self.between.get(&(from, to)).map_or(0, |passing| self.bytes(passing, label, material))
     }
 
-    /// Bytes of some labels of a material (`None`: of all) from a patch to a rank.
-    pub fn rank_bytes(&self, from: usize, to: usize, labels: &[LabelId], material: Option<usize>) -> u64 {
-        LINE * self.to_rank.get(&(from, to)).map_or(0, |lines| select(lines, labels, material))
+    /// Bytes of a label of a material from a patch to a rank.
+    pub fn rank_bytes(&self, from: usize, to: usize, label: LabelId, material: usize) -> u64 {
+        self.to_rank.get(&(from, to)).map_or(0, |passing| self.bytes(passing, label, material))
     }
 
-    /// Bytes of some labels of a material (`None`: of all) that stay on a rank (`false`) or travel to another (`true`).
-    pub fn total_bytes(&self, labels: &[LabelId], material: Option<usize>, travel: bool) -> u64 {
-        let lines: u64 = match travel {
-            true => self.traveling().map(|(_, _, lines)| select(lines, labels, material)).sum(),
-            false => {
-                let stays = |&(&(a, b), _): &(&(usize, usize), &Lines)| self.rank_of[a] == self.rank_of[b];
-                self.between.iter().filter(stays).map(|(_, lines)| select(lines, labels, material)).sum()
-            }
-        };
-        LINE * lines
+    /// Bytes of a label of a material that stay on a rank (`false`) or travel to another (`true`).
+    pub fn total_bytes(&self, label: LabelId, material: usize, travel: bool) -> u64 {
+        let bytes = |passing: &Vec<Passing>| self.bytes(passing, label, material);
+        if travel {
+            return self.leaving().map(|(_, passing)| bytes(passing)).sum();
+        }
+        let stays = |&(&(a, b), _): &(&(usize, usize), _)| self.rank_of[a] == self.rank_of[b];
+        self.between.iter().filter(stays).map(|(_, passing)| bytes(passing)).sum()
     }
 
-    /// What leaves patches for other ranks: patch, rank and lines.
-    pub fn traveling(&self) -> impl Iterator<Item = (usize, usize, &Lines)> {
-        self.leaving(&self.to_rank)
+    fn bytes(&self, passing: &[Passing], label: LabelId, material: usize) -> u64 {
+        LINE * self.lines(label, material) * passing[material].nodes(label, false)
     }
 
-    fn leaving<'a>(
-        &self,
-        lines: &'a BTreeMap<(usize, usize), Lines>,
-    ) -> impl Iterator<Item = (usize, usize, &'a Lines)> {
-        let lines = lines.iter().map(|(&(patch, rank), lines)| (patch, rank, lines));
-        lines.filter(|&(patch, rank, _)| self.rank_of[patch] != rank)
+    /// Lines of a label that a node has for a material.
+    fn lines(&self, label: LabelId, material: usize) -> u64 {
+        self.fields[material] * self.width(label, material)
     }
 
-    /// An exchange: one message for each pair of ranks of which one has particles beside nodes of the other.
-    pub fn exchange(&self, exchange: &Exchange) -> Pairs {
+    /// What leaves patches for other ranks: rank of the patch, other rank, and what passes.
+    fn leaving(&self) -> impl Iterator<Item = ((usize, usize), &Vec<Passing>)> {
+        let pairs = self.to_rank.iter().map(|(&(patch, to), passing)| ((self.rank_of[patch], to), passing));
+        pairs.filter(|((from, to), _)| from != to)
+    }
+
+    /// An exchange in which the materials `act` that say so: one message for each pair of ranks of which one has particles
+    /// beside nodes of the other.
+    pub fn exchange(&self, exchange: &Exchange, act: impl Fn(usize) -> bool) -> Pairs {
+        let acting: Vec<usize> = (0..self.fields.len()).filter(|&material| act(material)).collect();
         let mut pairs = Pairs::new();
-        for (&(patch, to), &blocks) in self.adders.iter().filter(|((p, to), _)| self.rank_of[*p] != *to) {
-            let from = self.rank_of[patch];
+        for ((from, to), passing) in self.leaving() {
+            let adders: u64 = acting.iter().map(|&material| passing[material].adders).sum();
             let (pair, lines) = match exchange.way {
-                Way::Partials => ((from, to), blocks),
+                Way::Partials => ((from, to), adders),
                 // who has added to nodes reads them
                 Way::Values => ((to, from), 0),
             };
-            let messages = pairs.entry(pair).or_default();
-            (messages.count, messages.bytes) = (1, messages.bytes + LINE * lines);
+            if adders > 0 {
+                let messages = pairs.entry(pair).or_default();
+                (messages.count, messages.bytes) = (1, messages.bytes + LINE * lines);
+            }
         }
-        let travels = |key: &(LabelId, usize)| match exchange.way {
-            Way::Partials => exchange.givers.contains(key),
-            Way::Values => exchange.labels.contains(&key.0),
-        };
-        for (patch, to, lines) in self.leaving(if exchange.whole { &self.whole } else { &self.to_rank }) {
-            if let Some(messages) = pairs.get_mut(&(self.rank_of[patch], to)) {
-                let lines = lines.iter().filter(|(key, _)| travels(key)).map(|(_, lines)| lines).sum::<u64>();
-                messages.bytes += LINE * lines;
+        for (pair, passing) in self.leaving() {
+            let Some(messages) = pairs.get_mut(&pair) else { continue };
+            for &material in &acting {
+                let travels = |label: &&LabelId| match exchange.way {
+                    Way::Partials => exchange.givers.contains(&(**label, material)),
+                    Way::Values => true,
+                };
+                for &label in exchange.labels.iter().filter(travels) {
+                    let nodes = passing[material].nodes(label, exchange.whole);
+                    messages.bytes += LINE * self.lines(label, material) * nodes;
+                }
             }
         }
         pairs
@@ -148,7 +181,7 @@ impl Traffic {
     pub fn halo(&self, phase: &Phase, exchanges: &[Exchange]) -> Pairs {
         let mut pairs = Pairs::new();
         for &number in &phase.receives {
-            for (pair, messages) in self.exchange(&exchanges[number]) {
+            for (pair, messages) in self.exchange(&exchanges[number], |_| true) {
                 pairs.entry(pair).or_default().add(messages.count, messages.bytes);
             }
         }
@@ -165,9 +198,7 @@ impl Traffic {
 
     /// Bytes of a message with all shared values of `labels`, and a line that counts particles.
     pub fn reduced_bytes(&self, labels: &[LabelId]) -> u64 {
-        let materials = self.particles.first().map_or(1, Vec::len) as u64;
-        let tiles = |label: &LabelId| if label.home() == Home::Material { materials } else { 1 };
-        LINE * (1 + labels.iter().map(|label| label.width() as u64 * tiles(label)).sum::<u64>())
+        reduced_bytes(labels, self.fields.len())
     }
 
     /// One message to each neighbor, with a line that says how many particles follow.
@@ -199,14 +230,14 @@ impl Traffic {
     }
 }
 
+/// Bytes of a message with all shared values of `labels`, of so many materials where each has its own; and a line of
+/// counters.
+pub fn reduced_bytes(labels: &[LabelId], materials: usize) -> u64 {
+    let tiles = |label: &LabelId| if label.home() == Home::Material { materials } else { 1 };
+    LINE * (1 + labels.iter().map(|label| (label.width() * tiles(label)) as u64).sum::<u64>())
+}
+
 /// Names of labels in a row.
 pub fn names(labels: &[LabelId]) -> String {
     labels.iter().map(|label| label.name()).collect::<Vec<_>>().join(", ")
-}
-
-fn select(lines: &Lines, labels: &[LabelId], material: Option<usize>) -> u64 {
-    let wanted = |&(&(label, m), _): &(&(LabelId, usize), &u64)| {
-        labels.contains(&label) && material.is_none_or(|wanted| m == wanted)
-    };
-    lines.iter().filter(wanted).map(|(_, lines)| lines).sum()
 }

@@ -114,11 +114,11 @@ impl Builder<'_> {
     /// Node data: from patch to patch on a rank, and through halos to other ranks.
     fn through_halo(&mut self, from: NodeIndex, to: NodeIndex, phase: usize, edge: &Edge) {
         let traffic = self.diagram.traffic;
-        let (labels, material) = ([edge.label], Some(edge.material));
+        let (label, material) = (edge.label, edge.material);
         let (sources, targets) = (self.places(from), self.places(to));
         if !self.diagram.expanded {
             let halo = self.seat(Kind::Halo(phase), (None, None, None));
-            let [stays, travels] = [false, true].map(|travel| traffic.total_bytes(&labels, material, travel));
+            let [stays, travels] = [false, true].map(|travel| traffic.total_bytes(label, material, travel));
             for (&(_, source), &(_, target)) in sources.iter().zip(&targets) {
                 self.link(source, Some(target), edge, stays);
                 self.link(source, halo, edge, travels);
@@ -130,13 +130,13 @@ impl Builder<'_> {
         for &((patch, rank, _), source) in &sources {
             let (Some(p), Some(rank)) = (patch, rank) else { continue };
             for &((other, _, _), target) in targets.iter().filter(|((_, r, _), _)| *r == Some(rank)) {
-                let bytes = other.map_or(0, |q| traffic.patch_bytes(p, q, &labels, material));
+                let bytes = other.map_or(0, |q| traffic.patch_bytes(p, q, label, material));
                 if bytes > 0 {
                     self.link(source, Some(target), edge, bytes);
                 }
             }
             for rank_to in (0..traffic.ranks).filter(|&r| r != rank) {
-                let bytes = traffic.rank_bytes(p, rank_to, &labels, material);
+                let bytes = traffic.rank_bytes(p, rank_to, label, material);
                 if bytes > 0 {
                     let to = self.at.get(&halo(rank, rank_to)).copied();
                     self.link(source, to, edge, bytes);
@@ -149,9 +149,9 @@ impl Builder<'_> {
     /// Node data of other ranks: from halos to those who read them.
     fn out_of_halo(&mut self, to: NodeIndex, phase: usize, edge: &Edge) {
         let traffic = self.diagram.traffic;
-        let (labels, material) = ([edge.label], Some(edge.material));
+        let (label, material) = (edge.label, edge.material);
         if !self.diagram.expanded {
-            let travels = traffic.total_bytes(&labels, material, true);
+            let travels = traffic.total_bytes(label, material, true);
             if let Some(halo) = self.seat(Kind::Halo(phase), (None, None, None)) {
                 for (_, target) in self.places(to) {
                     self.link(halo, Some(target), edge, travels);
@@ -164,7 +164,7 @@ impl Builder<'_> {
             let (Some(q), Some(rank)) = (patch, rank) else { continue };
             for rank_from in (0..traffic.ranks).filter(|&r| r != rank) {
                 let patches = self.diagram.patches_of(rank_from);
-                let bytes: u64 = patches.iter().map(|&p| traffic.patch_bytes(p, q, &labels, material)).sum();
+                let bytes: u64 = patches.iter().map(|&p| traffic.patch_bytes(p, q, label, material)).sum();
                 if let Some(&from) = self.at.get(&halo(rank_from, rank)).filter(|_| bytes > 0) {
                     self.link(from, Some(target), edge, bytes);
                 }

@@ -99,7 +99,7 @@ fn phase_cost(
         tally.stages.get(&(number, material.cloned())).map_or(0.0, |ns| ns / steps)
     };
     match phase.stages.first().map(|stage| stage.domain) {
-        Some(Domain::Nodes) => PhaseCost::Nodes(ns(None) / footprint.nodes().max(1.0)),
+        Some(Domain::Nodes) => PhaseCost::Nodes(ns(None) / footprint.node_blocks().max(1.0)),
         Some(Domain::Once) | None => PhaseCost::Once(ns(None)),
         Some(_) => {
             let counts = graph.recipe.materials.iter().zip(footprint.particles());

@@ -3,10 +3,8 @@ use super::model::{PhaseCost, Setup};
 use super::step::Tick;
 use engine::exec::order::Part;
 use engine::exec::wave::GRAIN;
-use engine::graph::exchange::{Exchange, Way};
 use engine::graph::phase::Phase;
-use engine::graph::traffic::LINE;
-use engine::schema::LabelId;
+use engine::graph::traffic::{LINE, Pairs, Traffic};
 
 /// The work of a rank in a tick.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,50 +56,6 @@ pub struct Counts {
     pub nodes: Vec<(Vec<usize>, [f64; 2])>,
     /// Patches.
     pub patches: f64,
-}
-
-/// What passes from a rank to another, of a material.
-#[derive(Clone, Debug, Default)]
-pub struct Passing {
-    /// Fields of the material.
-    pub fields: usize,
-    /// Blocks of particles that add to nodes there.
-    pub adders: f64,
-    /// The nodes that they add to, away from other materials and near them.
-    pub added: [f64; 2],
-    /// Blocks of particles there that read nodes here.
-    pub readers: f64,
-    /// The nodes that they read.
-    pub read: f64,
-}
-
-impl Passing {
-    /// Bytes of an exchange in a tick, of all materials; `None`: there is no message.
-    pub fn bytes(all: &[Self], exchange: &Exchange, tick: &Tick) -> Option<f32> {
-        let acting = || all.iter().enumerate().filter(|(material, _)| tick.sends(exchange, *material));
-        let blocks = acting().map(|(_, passing)| match exchange.way {
-            Way::Partials => passing.adders,
-            Way::Values => passing.readers,
-        });
-        let lines = || acting().map(|(_, passing)| passing.lines(exchange)).sum::<f64>();
-        (blocks.sum::<f64>() > 0.0).then(|| LINE as f32 * lines() as f32)
-    }
-
-    fn lines(&self, exchange: &Exchange) -> f64 {
-        let width = |label: &LabelId| (self.fields * label.width()) as f64;
-        let labels = exchange.labels.iter();
-        match exchange.way {
-            Way::Partials => {
-                let lines = labels.map(|label| {
-                    let far = if label.where_fields_meet() { 0.0 } else { self.added[0] };
-                    width(label) * (far + self.added[1])
-                });
-                // and a line a block that says what follows
-                self.adders + lines.sum::<f64>()
-            }
-            Way::Values => self.read * labels.map(width).sum::<f64>(),
-        }
-    }
 }
 
 /// What comes to a rank in an exchange.
@@ -204,6 +158,28 @@ pub struct Listed {
     pub sends: Vec<Vec<Vec<Vec<Message>>>>,
     /// Who is in sight of each.
     pub beside: Vec<Vec<u32>>,
+}
+
+impl Listed {
+    /// Ranks with their counts, and what they send each other.
+    pub fn new(counts: &[Counts], traffic: &Traffic, setup: &Setup<'_>) -> Self {
+        let (kinds, exchanges) = (&setup.step.kinds, &setup.step.graph.exchanges);
+        let by_sender = |pairs: Pairs| {
+            let mut sends = vec![Vec::new(); counts.len()];
+            for ((from, to), messages) in pairs {
+                sends[from].push(Message { to: to as u32, bytes: messages.bytes as f32 });
+            }
+            sends
+        };
+        let sends = |tick: &Tick| {
+            let pairs = exchanges.iter().map(|it| traffic.exchange(it, |material| tick.sends(it, material)));
+            pairs.map(by_sender).collect()
+        };
+        let mut beside = vec![Vec::new(); counts.len()];
+        traffic.neighbors.iter().for_each(|&(from, to)| beside[from].push(to as u32));
+        let loads = |tick| counts.iter().map(|it| it.load(setup, tick)).collect();
+        Self { loads: kinds.iter().map(loads).collect(), sends: kinds.iter().map(sends).collect(), beside }
+    }
 }
 
 impl Ranks for Listed {

@@ -8,8 +8,6 @@ pub struct Line {
     pub name: String,
     /// Points, in order of x.
     pub points: Vec<[f64; 2]>,
-    /// Whether it is a model or an ideal: drawn with dashes and without marks.
-    pub dashed: bool,
 }
 
 /// A plot.
@@ -141,14 +139,13 @@ impl Plot {
 /// A line with its marks and its place in the legend.
 fn draw(out: &mut String, line: &Line, color: &str, places: &[[f64; 2]], legend: f64) {
     let path: Vec<String> = places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
-    let dash = if line.dashed { " stroke-dasharray=\"5 4\"" } else { "" };
-    let _ = writeln!(out, "<polyline points=\"{}\" stroke=\"{color}\"{dash}/>", path.join(" "));
-    for [x, y] in places.iter().filter(|_| !line.dashed) {
+    let _ = writeln!(out, "<polyline points=\"{}\" stroke=\"{color}\"/>", path.join(" "));
+    for [x, y] in places {
         let _ = writeln!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{color}\"/>");
     }
     let (from, to) = (FRAME[1] + 12.0, FRAME[1] + 32.0);
     let y = legend + 8.0;
-    let _ = writeln!(out, "<polyline points=\"{from},{y} {to},{y}\" stroke=\"{color}\"{dash}/>");
+    let _ = writeln!(out, "<polyline points=\"{from},{y} {to},{y}\" stroke=\"{color}\"/>");
     let _ = writeln!(out, "<text x=\"{}\" y=\"{}\">{}</text>", to + 6.0, y + 4.0, escape(&line.name));
 }
 
@@ -170,7 +167,7 @@ mod tests {
     #[test]
     fn points_lie_inside_the_frame_and_text_is_escaped() {
         let points = vec![[1.0, 1.0], [10.0, 0.5], [1e5, 0.25], [f64::NAN, 1.0]];
-        let line = Line { name: "a < b".into(), points, dashed: false };
+        let line = Line { name: "a < b".into(), points };
         let plot =
             Plot { title: "t".into(), axes: ["x".into(), "y".into()], log_y: false, lines: vec![line] };
         let svg = plot.to_svg();

@@ -96,7 +96,7 @@ impl Report {
 
     /// A line for threads on one rank, and one for ranks of one thread.
     fn by_workers(&self, value: impl Fn(&Row) -> f64) -> Vec<Line> {
-        let line = |name: &str, points| Line { name: name.to_owned(), points, dashed: false };
+        let line = |name: &str, points| Line { name: name.to_owned(), points };
         let lines = [
             line("threads on one rank", self.best(|row| row.ranks == 1, &value)),
             line("ranks of one thread", self.best(|row| row.threads == 1, &value)),
@@ -132,7 +132,7 @@ impl Report {
                 rows.map(|row| [row.patches as f64, row.over_decomposition]).collect();
             points.sort_by(|a, b| a[0].total_cmp(&b[0]));
             let name = format!("{ranks} rank{}, {threads} thread{}", plural(ranks), plural(threads));
-            Line { name, points, dashed: false }
+            Line { name, points }
         };
         Plot {
             title: format!("{}: what more patches cost", self.scene),
@@ -146,7 +146,6 @@ impl Report {
         let line = |name: &str, points: &[Point]| Line {
             name: name.to_owned(),
             points: points.iter().map(|point| [point.ranks as f64, point.efficiency]).collect(),
-            dashed: false,
         };
         Plot {
             title: format!("{}: efficiency, predicted", self.scene),

@@ -5,8 +5,7 @@ use engine::exec::work::acts;
 use engine::graph::build::TaskGraph;
 use engine::graph::exchange::{Exchange, Way};
 use engine::graph::phase::Phase;
-use engine::graph::traffic::LINE;
-use engine::schema::{Home, LabelId};
+use engine::graph::traffic::reduced_bytes;
 use scene::Scene;
 
 /// A step of a scene.
@@ -52,24 +51,16 @@ impl<'a> Step<'a> {
 
 impl Tick {
     fn new(schedule: Schedule, graph: &TaskGraph, materials: usize) -> Self {
-        let mut tick = Self { schedule, reduced: Vec::new(), materials };
+        // what each material keeps is reduced where its step ends
+        let ends = (0..materials).filter(|&m| schedule.ends(m)).count();
         let all = graph.phases.iter().map(|phase| &phase.reductions).chain([&graph.at_end]);
-        tick.reduced = all.map(|labels| tick.reduced_bytes(labels)).collect();
-        tick
+        let reduced = all.map(|labels| reduced_bytes(labels, ends) as f64).collect();
+        Self { schedule, reduced, materials }
     }
 
     /// Whether a step of each material begins and ends.
     fn acting(&self) -> Vec<[bool; 2]> {
         (0..self.materials).map(|m| [self.schedule.begins(m), self.schedule.ends(m)]).collect()
-    }
-
-    /// Bytes of a reduction of `labels`: of those that each material keeps, only of materials whose step ends; and a line
-    /// of counters.
-    fn reduced_bytes(&self, labels: &[LabelId]) -> f64 {
-        let ends = (0..self.materials).filter(|&m| self.schedule.ends(m)).count();
-        let tiles = |label: &LabelId| if label.home() == Home::Material { ends } else { 1 };
-        let lines: usize = labels.iter().map(|label| label.width() * tiles(label)).sum();
-        (LINE * (1 + lines as u64)) as f64
     }
 
     /// Whether particles of a material are worked on in a phase, or blocks of nodes because of it.

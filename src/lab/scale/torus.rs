@@ -1,6 +1,9 @@
 //! Weak scaling: ranks that all look the same, in a torus.
-use super::load::{Counts, Load, Message, Passing, Ranks, TRAVELERS};
+use super::load::{Counts, Load, Message, Ranks, TRAVELERS};
 use super::model::Setup;
+use super::step::Tick;
+use engine::graph::exchange::Exchange;
+use engine::graph::traffic::{Passing, Traffic};
 use grid::curve;
 
 /// A typical rank: a brick of full blocks.
@@ -75,16 +78,28 @@ impl Brick {
     /// What passes to the neighbor in direction `d`, by material.
     fn passing(&self, d: [i32; 3]) -> Vec<Passing> {
         let ([added, adders], read) = (self.added(d), self.read(d));
-        let materials = self.fields.iter().zip(&self.parts).zip(&self.blocks);
-        let share = |blocks: &f64| adders * blocks / self.all_blocks();
-        let passing = materials.map(|((&fields, part), blocks)| Passing {
-            fields,
-            adders: share(blocks),
-            readers: share(blocks),
-            added: part.map(|part| part * added),
-            read: (part[0] + part[1]) * read,
+        let materials = self.parts.iter().zip(&self.blocks);
+        let passing = materials.map(|(part, blocks)| {
+            // where others are near, several fields are
+            let read = part.map(|part| (part * read) as u64);
+            let adders = (adders * blocks / self.all_blocks()).ceil() as u64;
+            Passing { adders, added: part.map(|part| (part * added) as u64), read, whole: read }
         });
         passing.collect()
+    }
+
+    /// What passes between it, which is rank 0, and its neighbors in some directions.
+    fn traffic(&self, ways: &[[i32; 3]]) -> Traffic {
+        let there = ways.iter().enumerate().map(|(way, &d)| ((0, way + 1), self.passing(d)));
+        // who has added to nodes here reads them
+        let back = ways.iter().enumerate().map(|(way, &d)| ((way + 1, 0), self.passing(d.map(|i| -i))));
+        Traffic {
+            ranks: ways.len() + 1,
+            rank_of: (0..=ways.len()).collect(),
+            fields: self.fields.iter().map(|&fields| fields as u64).collect(),
+            to_rank: there.chain(back).collect(),
+            ..Traffic::default()
+        }
     }
 
     /// Its counts, if it has neighbors along some axes: blocks of two layers at each face are on the rim, for they give to
@@ -134,9 +149,12 @@ impl Torus {
         let ways: Vec<[i32; 3]> = directions.filter(|d| *d != [0; 3]).collect();
         let (kinds, counts) = (&setup.step.kinds, brick.counts(sides.map(|side| side > 1)));
         let loads = kinds.iter().map(|tick| counts.load(setup, tick)).collect();
+        let traffic = brick.traffic(&ways);
+        let of = |exchange: &Exchange, tick: &Tick| {
+            let pairs = traffic.exchange(exchange, |material| tick.sends(exchange, material));
+            (1..=ways.len()).map(|way| pairs.get(&(0, way)).map(|it| it.bytes as f32)).collect()
+        };
         let exchanges = &setup.step.graph.exchanges;
-        let passing: Vec<Vec<Passing>> = ways.iter().map(|&d| brick.passing(d)).collect();
-        let of = |exchange, tick| passing.iter().map(|it| Passing::bytes(it, exchange, tick)).collect();
         let bytes = kinds.iter().map(|tick| exchanges.iter().map(|exchange| of(exchange, tick)).collect());
         let bytes = bytes.collect();
         Self { sides, loads, ways, bytes, cells, ranks }
