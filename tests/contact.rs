@@ -381,9 +381,7 @@ fn a_free_rigid_ball_slows_down_by_what_the_block_gains() {
             pulled = pulled.max(now[0].velocity()[0] - slowest);
             slowest = slowest.min(now[0].velocity()[0]);
         }
-        println!(
-            "{rates}: the ball slows down to {slowest:.4} m/s, momentum {worst:.0e}, sped up by {pulled:.1e} m/s"
-        );
+        println!("{rates}: slowest {slowest:.4} m/s, momentum {worst:.0e}, sped up by {pulled:.1e} m/s");
         assert!(worst < 1e-12 && slowest < 1.7);
         assert!(pulled < 5e-5, "nothing pulls the ball but rim nodes whose normals lean");
     }
@@ -395,10 +393,8 @@ fn a_prescribed_rigid_ball_keeps_its_velocity() {
         "material.left",
         "{ law = \"rigid\", motion = \"prescribed\", velocity = [2, 0.5, 0.2], density = 4000 }",
     );
-    let still = ("body.0.velocity", "");
-    let mut simulation = start(scene(BLOCKS, &[&BALL[1..2], &[ball, still], &BALL[3..]].concat()));
-    let after = finish(&mut simulation).unwrap_or_else(|e| panic!("{e}"));
-    let apart = norm(minus(after.materials[0].velocity(), [2.0, 0.5, 0.2]));
-    assert!(apart < 1e-13, "{apart:e}");
-    assert!(norm(minus(after.materials[1].velocity(), [-1.0, 0.0, 0.0])) > 0.1, "they hit");
+    let changes = [&BALL[1..2], &[ball, ("body.0.velocity", "")], &BALL[3..]].concat();
+    let after = run(scene(BLOCKS, &changes));
+    let change = |m: usize, before| norm(minus(after.materials[m].velocity(), before));
+    assert!(change(0, [2.0, 0.5, 0.2]) < 1e-13 && change(1, [-1.0, 0.0, 0.0]) > 0.1, "they hit");
 }

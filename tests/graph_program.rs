@@ -4,7 +4,7 @@ mod common;
 mod toy;
 
 use engine::graph::traffic::{Between, Passing, Traffic};
-use engine::program::{Program, When};
+use engine::program::{Delay, Program};
 use roxmltree::{Document, Node};
 use serde_json::Value;
 use sinew::lab::diagram::{Chart, Kind};
@@ -268,7 +268,7 @@ fn pictures_put_graphs_into_the_boxes_of_their_loops() {
         numbers.sort_unstable();
         assert_eq!(numbers, (0..links(&chart)).collect::<Vec<_>>());
         // what passes within a step, and no line of text upon another
-        let within = chart.passes.iter().filter(|pass| pass.when != When::NextStep).count();
+        let within = chart.passes.iter().filter(|pass| pass.delay != Delay::NextStep).count();
         let shown =
             of("pass").filter_map(|node| node.attribute("data-passes")).flat_map(|list| list.split(' '));
         assert_eq!(shown.count(), within);

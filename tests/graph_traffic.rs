@@ -170,7 +170,7 @@ fn an_expanded_graph_has_an_item_for_each_task_where_it_runs() {
         }
     }
     let with = |m: usize| particles.iter().filter(|(_, material)| *material == m).count();
-    let places = |node: &engine::graph::recipe::Node| match (node.declaration.domain, node.material) {
+    let places = |node: &engine::graph::recipe::TaskNode| match (node.declaration.domain, node.material) {
         (Domain::Once, _) => 4,
         (Domain::Nodes, _) => nodes.len(),
         (_, material) => with(material.expect("a material")),

@@ -3,7 +3,7 @@ mod common;
 #[path = "common/toy.rs"]
 mod toy;
 
-use engine::program::{Node, Pass, Program, RoundHazard, Script, Site, When, hazards, passes};
+use engine::program::{Delay, Pass, Program, ProgramNode, RoundHazard, Script, Site, hazards, passes};
 use engine::schema::{Label, LabelId};
 use sinew::lab::plan;
 use toy::*;
@@ -38,24 +38,24 @@ fn a_loop_in_a_loop_is_clean_and_says_what_it_passes_on() {
     let name = |number: usize| nested.graphs()[number].name;
     let of = |label: LabelId, material| {
         let mine = all.iter().filter(move |p: &&Pass| p.label == label && p.material == material);
-        mine.map(|p| (name(p.from), name(p.to), p.when)).collect::<Vec<_>>()
+        mine.map(|p| (name(p.from), name(p.to), p.delay)).collect::<Vec<_>>()
     };
     let field = [
-        ("start", "iterate", When::Onward),
-        ("iterate", "iterate", When::NextRound),
-        ("iterate", "collect", When::Onward),
+        ("start", "iterate", Delay::Onward),
+        ("iterate", "iterate", Delay::NextRound),
+        ("iterate", "collect", Delay::Onward),
     ];
     assert_eq!(of(Field::ID, Some(WOOD)), field);
     assert_eq!(of(Field::ID, Some(IRON)), field);
-    assert_eq!(of(Residual::ID, None), [("iterate", "update", When::Onward)]);
+    assert_eq!(of(Residual::ID, None), [("iterate", "update", Delay::Onward)]);
     assert_eq!(
         of(Load::ID, Some(IRON)),
-        [("collect", "start", When::NextStep), ("collect", "collect", When::NextStep)]
+        [("collect", "start", Delay::NextStep), ("collect", "collect", Delay::NextStep)]
     );
     let tasks = |graph: usize, nodes: &[petgraph::stable_graph::NodeIndex]| {
         nodes.iter().map(|&n| nested.graphs()[graph].graph[n].name.clone()).collect::<Vec<_>>()
     };
-    let round = all.iter().find(|p| p.when == When::NextRound && p.material == Some(IRON)).expect("a pass");
+    let round = all.iter().find(|p| p.delay == Delay::NextRound && p.material == Some(IRON)).expect("a pass");
     assert_eq!(tasks(round.from, &round.writers), ["Correct"]);
     assert_eq!(tasks(round.to, &round.readers), ["Push[iron]", "Correct"]);
 }
@@ -70,7 +70,7 @@ fn a_loop_that_runs_once_has_no_next_round() {
             collect(),
         ])
     };
-    let back = |most| passes(&once(most)).iter().filter(|pass| pass.when == When::NextRound).count();
+    let back = |most| passes(&once(most)).iter().filter(|pass| pass.delay == Delay::NextRound).count();
     assert_eq!(back(1), 0);
     assert!(back(2) > 0);
 }
@@ -159,7 +159,7 @@ fn nodes_that_particles_have_left_do_not_keep_what_they_had() {
 fn ghosts_that_no_exchange_brings_are_found() {
     let mut broken = program(vec![start(), collect()]);
     assert_eq!(hazards(&broken), []);
-    let Some(Node::Graph(last)) = broken.nodes.last_mut() else { panic!("a graph") };
+    let Some(ProgramNode::Graph(last)) = broken.nodes.last_mut() else { panic!("a graph") };
     last.exchanges.clear();
     let found = hazards(&broken);
     assert_eq!(found, [RoundHazard::NotSent(site("Collect[wood]", "collect", Field::ID))]);

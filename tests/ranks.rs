@@ -1,6 +1,8 @@
 //! The same bits on any number of ranks, whoever has which patch. Ranks are threads of the test here; `tests/mpi.rs` runs
 //! them as processes.
 mod common;
+#[path = "common/times.rs"]
+mod times;
 
 use common::{Overrides, problem, scene};
 use engine::exec::ranks::local::Local;
@@ -11,6 +13,7 @@ use scene::Scene;
 use simd::Isa;
 use sinew::simulation::{Report, RunError, Simulation};
 use tasks::labels;
+use times::times;
 
 /// The hash of all ranks' particles and the report at the end, on one rank in the simplest way.
 fn alone(scene: &Scene) -> (u64, Report) {
@@ -151,7 +154,8 @@ fn random_patches_and_ranks_that_change_do_not_change_a_bit() {
         let scene = scene(CROSSING, overrides);
         let wanted = alone(&scene);
         println!("{} deleted, {} reflected", wanted.1.deleted, wanted.1.reflected);
-        let config = ProptestConfig { cases: 8, failure_persistence: None, ..ProptestConfig::default() };
+        let config =
+            ProptestConfig { cases: 8 * times(), failure_persistence: None, ..ProptestConfig::default() };
         let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
         let result = runner.run(&layout(), |(patches, ranks, threads, step, maps)| {
             let mut scene = scene.clone();

@@ -165,7 +165,7 @@ fn no_bit_depends_on_when_blocks_are_activated() {
     let (mut undisturbed, mut disturbed) = (shot(), shot());
     finish(&mut undisturbed).expect("a run");
     loop {
-        disturbed.warehouse.stale = true;
+        disturbed.warehouse.reactivate = true;
         if !disturbed.step().expect("a step") {
             break;
         }

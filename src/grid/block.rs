@@ -9,6 +9,8 @@ pub const NODES: usize = 64;
 pub const STRIDE: [usize; 3] = [64, 8, 1];
 /// Nodes below a block's own that its buffer holds: a particle may drift one cell out of its block.
 pub const BELOW: i32 = 1;
+/// Nodes of a block's buffer along an axis.
+const BUFFER: i32 = BELOW + BLOCK + REACH as i32;
 /// Base nodes (relative to the buffer) that a particle of the block may have along an axis.
 pub const BASES: i32 = 6;
 /// Most nodes that a particle touches along an axis.
@@ -32,23 +34,72 @@ pub struct BlockShape {
     pub buffer_strides: [i32; 3],
     /// Nodes of a buffer below those of its block.
     pub below: [i32; 3],
+    /// Along each axis, the nodes of a block that lie in the buffer of the block before it, in its own, and in that of the
+    /// block behind it.
+    pub shared: [[SharedNodes; 3]; 3],
+}
+
+/// Nodes of a block that lie in a buffer, along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SharedNodes {
+    /// The first of them.
+    pub first: i32,
+    /// One past the last of them.
+    pub end: i32,
+    /// What to add to them to get their index in the buffer.
+    pub to_buffer: i32,
+}
+
+impl SharedNodes {
+    /// On an axis with so many nodes a block, in the buffer of the block `d` blocks further.
+    const fn new(nodes: i32, buffer: i32, below: i32, d: i32) -> Self {
+        let to_buffer = below - d * nodes;
+        let first = if to_buffer < 0 { -to_buffer } else { 0 };
+        let end = if buffer - to_buffer < nodes { buffer - to_buffer } else { nodes };
+        Self { first, end, to_buffer }
+    }
+
+    const fn all(nodes: i32, buffer: i32, below: i32) -> [Self; 3] {
+        [
+            Self::new(nodes, buffer, below, -1),
+            Self::new(nodes, buffer, below, 0),
+            Self::new(nodes, buffer, below, 1),
+        ]
+    }
 }
 
 impl BlockShape {
+    /// The shape on a level without a collapsed axis: what the compiler knows of most levels.
+    pub const FULL: Self = Self {
+        nodes: [BLOCK; 3],
+        node_strides: [BLOCK * BLOCK, BLOCK, 1],
+        node_shifts: [2 * BLOCK.trailing_zeros(), BLOCK.trailing_zeros(), 0],
+        buffer: [BUFFER; 3],
+        buffer_strides: [BUFFER * BUFFER, BUFFER, 1],
+        below: [BELOW; 3],
+        shared: [SharedNodes::all(BLOCK, BUFFER, BELOW); 3],
+    };
+
     /// The shape on a level of so many cells along each axis.
     pub fn new(cells: [usize; 3]) -> Self {
         let of = |full: i32, collapsed: i32| cells.map(|n| if n == 0 { collapsed } else { full });
-        let (nodes, buffer) = (of(BLOCK, 1), of(BELOW + BLOCK + i32::from(REACH), 1));
+        let (nodes, buffer) = (of(BLOCK, 1), of(BUFFER, 1));
         let strides = |[_, y, z]: [i32; 3]| [y * z, z, 1];
-        let node_strides = strides(nodes);
+        let (node_strides, below) = (strides(nodes), of(BELOW, 0));
         Self {
             nodes,
             node_strides,
             node_shifts: node_strides.map(i32::trailing_zeros),
             buffer,
             buffer_strides: strides(buffer),
-            below: of(BELOW, 0),
+            below,
+            shared: std::array::from_fn(|a| SharedNodes::all(nodes[a], buffer[a], below[a])),
         }
+    }
+
+    /// Whether no axis is collapsed.
+    pub fn is_full(&self) -> bool {
+        self.nodes == Self::FULL.nodes
     }
 
     /// Number of nodes of a block.
@@ -114,6 +165,7 @@ mod tests {
     #[test]
     fn full_blocks_have_the_shape_of_the_constants() {
         let shape = BlockShape::new([9, 1, 3]);
+        assert!(shape == BlockShape::FULL && shape.is_full() && !BlockShape::new([9, 0, 3]).is_full());
         assert_eq!(shape.buffer_strides.map(|s| s as usize), STRIDE);
         assert_eq!((shape.node_count(), shape.buffer_len()), (NODES, 8 * STRIDE[0]));
         assert!((0..NODES).all(|n| shape.place(n) == [n >> 4, n >> 2 & 3, n & 3].map(|i| i as i32)));

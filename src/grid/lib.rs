@@ -5,7 +5,7 @@ mod level;
 mod partition;
 mod patch;
 
-pub use block::{BASES, BELOW, BLOCK, BlockShape, NODES, NODES_PER_AXIS, Origin, REACH, STRIDE};
+pub use block::{BASES, BELOW, BLOCK, BlockShape, NODES, NODES_PER_AXIS, Origin, REACH, STRIDE, SharedNodes};
 pub use lattice::Lattice;
 pub use level::Level;
 pub use partition::Partition;

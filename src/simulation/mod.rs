@@ -194,7 +194,7 @@ impl Simulation {
         self.scene.run.rates = rates;
         self.program = step_program(&self.scene, self.warehouse.decomposition.patches.len())?;
         self.warehouse.own_rates = rates != Rates::Common;
-        self.warehouse.stale = true;
+        self.warehouse.reactivate = true;
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 use crate::reference::Reference;
 use crate::run::{Layout, level, run};
 use crate::state::{Particle, Start, same, start};
+use crate::times::times;
 use crate::toy::program;
 use engine::program::hazards;
 use proptest::prelude::*;
@@ -40,7 +41,8 @@ pub fn expected(start: &Start, steps: usize) -> crate::state::State {
 
 /// Runs `test` on some random inputs, the same each time.
 pub fn cases<S: Strategy>(cases: u32, input: S, test: impl Fn(S::Value)) {
-    let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };
+    let config =
+        ProptestConfig { cases: cases * times(), failure_persistence: None, ..ProptestConfig::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
     let run = runner.run(&input, |input| {
         test(input);

@@ -10,5 +10,7 @@ mod reference;
 mod refusals;
 mod run;
 mod state;
+#[path = "../common/times.rs"]
+mod times;
 mod toy;
 mod traffic;

@@ -166,11 +166,11 @@ impl Reference {
         self.blocks = blocks;
     }
 
-    /// Whether a block of a material with which this one interacts is at most two blocks away.
+    /// Whether a block of a material with which this one interacts is at most two blocks away: itself, if its fields do.
     fn near(&self) -> BTreeSet<(usize, Block)> {
         let close = |a: &Block, b: &Block| (0..3).all(|i| (a[i] - b[i]).abs() <= 2);
         let meets = |(m, block): &(usize, Block)| {
-            self.blocks.keys().any(|(other, b)| m != other && self.interacts[*m][*other] && close(block, b))
+            self.blocks.keys().any(|(other, b)| self.interacts[*m][*other] && close(block, b))
         };
         self.blocks.keys().copied().filter(meets).collect()
     }

@@ -58,9 +58,9 @@ fn all(task: impl Runnable + 'static) -> Line {
 
 const OUTPUTS: [LabelId; 3] = [Seen::ID, Steps::ID, TickValue::ID];
 
-fn recipe<const N: usize>(lines: [Line; N]) -> Recipe {
+fn recipe(lines: impl IntoIterator<Item = Line>) -> Recipe {
     let mut recipe = Recipe::new(&SCHEMA, vec!["matter".to_owned()]);
-    recipe.entries.extend(lines.map(|(material, task)| engine::graph::recipe::RecipeLine {
+    recipe.entries.extend(lines.into_iter().map(|(material, task)| engine::graph::recipe::RecipeLine {
         task,
         material,
         because: String::new(),
@@ -120,6 +120,48 @@ fn partial_sums_are_added_up_before_they_are_read() {
     let error =
         TaskGraph::build(recipe([of(AddStep)]), &wanted, 2).err().expect("nobody adds up").to_string();
     assert!(error.contains("AddStep[matter] adds to StepSum") && error.contains("same graph"), "{error}");
+}
+
+idle! {
+    Particles drift Drift { computes { extent: Extent } modifies { x: Position } }
+    Particles count Count { requires old { whole: Whole } computes { exact: RunExact } }
+    Particles count_on CountOn { requires old { whole: Whole } computes { exact: RunExact } }
+    Particles rank Rank { requires old { charge: Charge } computes { most: RunMost } }
+    Particles rank_on RankOn { requires old { charge: Charge } computes { most: RunMost } }
+    Once see_count SeeCount { requires new { exact: RunExact } modifies { steps: Steps } }
+    Once see_again SeeAgain { requires new { exact: RunExact } modifies { steps: Steps } }
+    Once see_rank_again SeeRankAgain { requires new { most: RunMost } modifies { steps: Steps } }
+    Once see_rank SeeRank { requires new { most: RunMost } modifies { steps: Steps } }
+    Particles add_on AddOn { requires old { charge: Charge } computes { sum: StepSum @ 3 } }
+}
+
+#[test]
+fn nobody_adds_on_where_particles_have_moved() {
+    let moved = [&OUTPUTS[..], &[Position::ID]].concat();
+    let build = |lines: Vec<Line>| TaskGraph::build(recipe(lines), &moved, 2);
+    let twice = vec![of(AddStep), of(Drift), of(AddOn), all(SolveStep), of(ReadValue)];
+    let error = build(twice).err().expect("a sum of two places").to_string();
+    for word in
+        ["AddOn[matter] adds to StepSum", "before Drift[matter] moved them", "read the sum in between"]
+    {
+        assert!(error.contains(word), "{error}");
+    }
+    accepted([of(AddStep), of(AddOn), all(SolveStep), of(ReadValue)]);
+    // who adds after particles have moved does not share their stage: it would add around the place where they were
+    let graph = build(vec![of(Drift), of(AddStep), all(SolveStep), of(ReadValue)]).expect("a graph");
+    let stages = graph.phases.iter().flat_map(|phase| &phase.stages).filter(|stage| stage.material.is_some());
+    assert_eq!(stages.map(|stage| stage.nodes.len()).collect::<Vec<_>>(), [1, 1, 1]);
+}
+
+#[test]
+fn nobody_adds_to_what_ranks_have_brought_together() {
+    refused(
+        [of(Count), all(SeeCount), of(CountOn), all(SeeAgain)],
+        &["CountOn[matter] adds to RunExact after SeeCount has read it", "once a rank", "another label"],
+    );
+    accepted([of(Count), of(CountOn), all(SeeCount)]);
+    // the largest of all stays the largest
+    accepted([of(Rank), all(SeeRank), of(RankOn), all(SeeRankAgain)]);
 }
 
 #[test]

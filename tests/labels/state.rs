@@ -25,10 +25,10 @@ pub struct Start {
     pub particles: Vec<Particle>,
 }
 
-/// Three materials, one of two fields; the first two interact.
+/// Three materials, one of two fields, which may interact; the first two do.
 pub fn start() -> impl Strategy<Value = Start> {
     let cells = (5..18usize, 4..11usize, prop_oneof![Just(0), 4..8usize]).prop_map(|(x, y, z)| [x, y, z]);
-    (cells, any::<bool>()).prop_flat_map(|(cells, simple)| {
+    (cells, any::<bool>(), any::<bool>()).prop_flat_map(|(cells, simple, own)| {
         let particle = (0..3usize, unit3(simple), unit3(simple), unit(simple), whole());
         let particle = particle.prop_map(move |(material, x, velocity, charge, whole)| Particle {
             material,
@@ -41,7 +41,7 @@ pub fn start() -> impl Strategy<Value = Start> {
             cells,
             fields: vec![1, 2, 1],
             memory: vec![0, 3, 1],
-            interacts: vec![vec![false, true, false], vec![true, false, false], vec![false; 3]],
+            interacts: vec![vec![false, true, false], vec![true, own, false], vec![false; 3]],
             particles,
         })
     })

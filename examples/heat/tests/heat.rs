@@ -3,7 +3,7 @@ use engine::exec::ranks::local::Local;
 use engine::exec::ranks::{Alone, Network, collective};
 use engine::exec::{Backend, Engine, Serial, Threads, Undirected};
 use engine::grid::{Level, Partition};
-use engine::program::{Node, hazards};
+use engine::program::{ProgramNode, hazards};
 use engine::schema::Label;
 use engine::simd::Isa;
 use heat::{Heat, Identity, Position, Temperature};
@@ -139,7 +139,10 @@ fn one_hash_on_any_patches_threads_and_ranks() {
 fn the_program_of_an_implicit_step_is_a_loop_between_two_graphs() {
     let heat = Heat { tolerance: Some(1e-8), ..STEEL };
     let program = heat.program(&PLATE, 1).expect("a program");
-    assert!(matches!(&program.nodes[..], [Node::Graph(_), Node::Loop(_), Node::Graph(_)]));
+    assert!(matches!(
+        &program.nodes[..],
+        [ProgramNode::Graph(_), ProgramNode::Loop(_), ProgramNode::Graph(_)]
+    ));
     let text = program.to_string();
     for line in [
         "program implicit step",

@@ -42,15 +42,24 @@ impl Bases {
     }
 }
 
+/// The largest lane; what is no number does not count.
+#[inline]
+fn most(line: &Wide) -> f64 {
+    let mut most = f64::NEG_INFINITY;
+    for &y in &line.0 {
+        most = if y > most { y } else { most };
+    }
+    most
+}
+
 /// (smallest, largest) y on an axis.
 pub fn bounds(extent: &Extent, axis: usize) -> (f64, f64) {
-    let largest = |line: &Wide| line.0.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (-largest(&extent[axis + 3]), largest(&extent[axis]))
+    (-most(&extent[axis + 3]), most(&extent[axis]))
 }
 
 /// The largest y on each axis, then the largest −y: what counts of an extent.
 pub fn largest(extent: &Extent) -> [f64; 6] {
-    extent.map(|line| line.0.into_iter().fold(f64::NEG_INFINITY, f64::max))
+    extent.each_ref().map(most)
 }
 
 /// An extent from what counts of it.

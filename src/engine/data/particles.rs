@@ -32,7 +32,7 @@ pub struct ParticleBlock {
     pub touched: IndexBox,
     /// Whether particles may have to move to other blocks.
     pub leaving: bool,
-    /// Whether particles of a material with which this one interacts may touch the same nodes.
+    /// Whether particles of a field with which theirs interacts may touch the same nodes.
     pub near: bool,
     /// Whether its particles share node blocks with another rank's, or with nodes that do.
     pub rim: bool,

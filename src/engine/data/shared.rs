@@ -7,9 +7,10 @@ use simd::Wide;
 /// Labels of home `Material` (a tile a material) and `Run` (one tile).
 #[derive(Clone, Debug)]
 pub struct Shared {
-    schema: &'static Schema,
+    /// The shared labels, in the order of the schema.
+    labels: Vec<LabelId>,
     lines: Vec<Wide>,
-    /// First line of each label, and the end.
+    /// First line of each label of the schema, and the end.
     starts: Vec<usize>,
 }
 
@@ -26,8 +27,9 @@ impl Shared {
             starts.push(starts[label.index()] + tiles(label) * label.width());
         }
         let total = starts[schema.len()];
-        let mut shared = Self { schema, lines: vec![Wide::default(); total], starts };
-        schema.labels().for_each(|label| reduction::clear(label.combine(), shared.column_mut(label)));
+        let labels: Vec<LabelId> = schema.labels().filter(|label| label.is_shared()).collect();
+        let mut shared = Self { labels, lines: vec![Wide::default(); total], starts };
+        shared.columns_mut().for_each(|(label, column)| reduction::clear(label.combine(), column));
         shared
     }
 
@@ -54,14 +56,14 @@ impl Shared {
     }
 
     /// The labels that pass from step to step.
-    pub fn carried(&self) -> impl Iterator<Item = LabelId> + use<> {
-        self.schema.labels().filter(|label| label.is_shared() && label.life() == Life::Carried)
+    pub fn carried(&self) -> impl Iterator<Item = LabelId> {
+        self.labels.iter().copied().filter(|label| label.life() == Life::Carried)
     }
 
     /// The shared labels with their columns, in the order of the schema.
     pub fn columns_mut(&mut self) -> impl Iterator<Item = (LabelId, &mut [Wide])> {
         let (mut rest, starts) = (&mut self.lines[..], &self.starts);
-        self.schema.labels().filter(|label| label.is_shared()).map(move |label| {
+        self.labels.iter().map(move |&label| {
             let length = starts[label.index() + 1] - starts[label.index()];
             let (column, after) = std::mem::take(&mut rest).split_at_mut(length);
             rest = after;

@@ -23,7 +23,7 @@ pub struct MaterialData {
     pub half_size: [f64; 3],
     /// How many velocity fields it has.
     pub fields: usize,
-    /// With which materials it interacts where they share nodes.
+    /// With which materials it interacts where they share nodes; with itself, if its fields do.
     pub interacts: Vec<bool>,
 }
 
@@ -118,7 +118,7 @@ pub struct Warehouse {
     /// Labels of materials and of the run.
     pub shared: Shared,
     /// Whether blocks became occupied since the last [`Warehouse::activate`].
-    pub stale: bool,
+    pub reactivate: bool,
     /// Whether materials have rates of their own: one moves while another waits.
     pub own_rates: bool,
 }
@@ -142,7 +142,7 @@ impl Warehouse {
         }
         let fields = Fields::new(materials.iter().map(|material| material.fields));
         let node_layout = NodeLayout::new(schema, node_labels, level.shape());
-        let (shared, stale, own_rates) = (Shared::new(schema, materials.len()), true, false);
+        let (shared, reactivate, own_rates) = (Shared::new(schema, materials.len()), true, false);
         Self {
             schema,
             level,
@@ -154,7 +154,7 @@ impl Warehouse {
             particles,
             nodes,
             shared,
-            stale,
+            reactivate,
             own_rates,
         }
     }
@@ -174,7 +174,7 @@ impl Warehouse {
                 self.nodes[patch] = NodePatch::default();
             }
         }
-        self.stale = true;
+        self.reactivate = true;
     }
 
     /// Number of particles on this rank.
@@ -221,7 +221,7 @@ impl Warehouse {
         if *slot == 0 {
             home.blocks.push(ParticleBlock::new(index, &self.node_layout));
             *slot = home.blocks.len() as u32;
-            self.stale = true;
+            self.reactivate = true;
         }
         home.blocks[*slot as usize - 1].push(&self.materials[material].layout, rest, base, record);
         Ok(())
@@ -237,7 +237,7 @@ impl Warehouse {
         let home = &mut self.particles[patch][material];
         home.blocks.push(block);
         home.lookup[at] = home.blocks.len() as u32;
-        self.stale = true;
+        self.reactivate = true;
         Ok(())
     }
 

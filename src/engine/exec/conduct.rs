@@ -10,7 +10,7 @@ use super::work::Blocks;
 use crate::data::shared::Shared;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::graph::build::TaskGraph;
-use crate::program::{Loop, Node, Program};
+use crate::program::{Loop, Program, ProgramNode};
 
 /// What an application decides while a program runs.
 pub trait Conductor {
@@ -110,15 +110,15 @@ impl Engine {
 
     fn nodes<C: Conductor>(
         &mut self,
-        nodes: &[Node],
+        nodes: &[ProgramNode],
         warehouse: &mut Warehouse,
         network: &mut dyn Network,
         conductor: &mut C,
     ) -> Result<(), C::Error> {
         for node in nodes {
             match node {
-                Node::Graph(graph) => self.graph(graph, warehouse, network, conductor)?,
-                Node::Loop(it) => {
+                ProgramNode::Graph(graph) => self.graph(graph, warehouse, network, conductor)?,
+                ProgramNode::Loop(it) => {
                     let (mut rounds, mut enough) = (0, false);
                     while !enough && rounds < it.most {
                         self.nodes(&it.body, warehouse, network, conductor)?;

@@ -7,19 +7,9 @@ use crate::data::particles::ParticleBlock;
 use crate::data::reduction;
 use crate::data::warehouse::{NodePatch, ParticlePatch};
 use crate::schema::Combine;
-use grid::{BlockShape, IndexBox, offset};
+use grid::{BlockShape, IndexBox, SharedNodes, offset};
 use simd::{Job, Simd, Wide, prefetch};
 use std::ops::Range;
-
-/// For one axis: the nodes of a block that lie in the buffer of the block at offset `d`, and what to add to them to get their
-/// index in that buffer.
-#[inline(always)]
-fn shared_nodes(shape: &BlockShape, axis: usize, d: i32) -> (Range<i32>, i32) {
-    let (nodes, below) = (shape.nodes[axis], shape.below[axis]);
-    let to_buffer = below - d * nodes;
-    let first = (-to_buffer).max(0);
-    (first..(shape.buffer[axis] - to_buffer).min(nodes), to_buffer)
-}
 
 /// The nodes that a block shares with the `touched` part of the buffer of the one at `d`, and what to add to them to get their
 /// index in that buffer.
@@ -27,9 +17,9 @@ fn shared_nodes(shape: &BlockShape, axis: usize, d: i32) -> (Range<i32>, i32) {
 pub fn overlap(shape: &BlockShape, d: [i32; 3], touched: &IndexBox) -> Option<(IndexBox, [i32; 3])> {
     let (mut nodes, mut shift) = (IndexBox { lower: [0; 3], upper: [0; 3] }, [0; 3]);
     for a in 0..3 {
-        let (shared, to_buffer) = shared_nodes(shape, a, d[a]);
-        let low = shared.start.max(touched.lower[a] - to_buffer);
-        let high = shared.end.min(touched.upper[a] - to_buffer);
+        let SharedNodes { first, end, to_buffer } = shape.shared[a][(d[a] + 1) as usize];
+        let low = first.max(touched.lower[a] - to_buffer);
+        let high = end.min(touched.upper[a] - to_buffer);
         if low >= high {
             return None;
         }
@@ -84,14 +74,25 @@ impl Job for Clear<'_> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
+        let (shape, width) = (self.shape, self.width);
+        match (shape.is_full(), width) {
+            (true, 1) => self.clear::<S>(&BlockShape::FULL, 1),
+            _ => self.clear::<S>(shape, width),
+        }
+    }
+}
+
+impl Clear<'_> {
+    #[inline(always)]
+    fn clear<S: Simd>(self, shape: &BlockShape, width: usize) {
         let [lower, upper] = [self.touched.lower, self.touched.upper].map(|n| n.map(|i| i as usize));
-        let [sx, sy, _] = self.shape.buffer_strides.map(|s| s as usize);
+        let [sx, sy, _] = shape.buffer_strides.map(|s| s as usize);
         let nothing = S::splat(self.nothing);
-        for buffer in self.buffers.chunks_exact_mut(self.shape.buffer_len() * self.width) {
+        for buffer in self.buffers.chunks_exact_mut(shape.buffer_len() * width) {
             for x in lower[0]..upper[0] {
                 for y in lower[1]..upper[1] {
                     let row = x * sx + y * sy;
-                    let row = lines(row + lower[2]..row + upper[2], self.width);
+                    let row = lines(row + lower[2]..row + upper[2], width);
                     buffer[row].iter_mut().for_each(|line| nothing.store(line));
                 }
             }
@@ -171,9 +172,21 @@ impl Job for SumPartials<'_> {
     #[inline(always)]
     fn run<S: Simd>(self) {
         let Self { from, combine, sums } = self;
-        if combine != Combine::Sum {
-            return merge(&from, combine, sums);
+        match (combine, from.shape.is_full(), from.width) {
+            (Combine::Sum, true, 1) => {
+                Around { shape: &BlockShape::FULL, width: 1, ..from }.add::<S>(sums);
+            }
+            (Combine::Sum, ..) => from.add::<S>(sums),
+            _ => merge(&from, combine, sums),
         }
+    }
+}
+
+impl Around<'_> {
+    /// Sums up all summands.
+    #[inline(always)]
+    fn add<S: Simd>(self, sums: &mut [Wide]) {
+        let from = self;
         sums.fill(Wide::default());
         (0..AHEAD).for_each(|q| from.announce(q));
         for q in 0..27 {
@@ -262,6 +275,18 @@ impl Job for LoadRegion<'_> {
     #[inline(always)]
     fn run<S: Simd>(self) {
         let Self { from, region } = self;
+        match (from.shape.is_full(), from.width) {
+            (true, 1) => ValuesAround { shape: &BlockShape::FULL, width: 1, ..from }.load::<S>(region),
+            _ => from.load::<S>(region),
+        }
+    }
+}
+
+impl ValuesAround<'_> {
+    /// Fills a buffer.
+    #[inline(always)]
+    fn load<S: Simd>(self, region: &mut [Wide]) {
+        let from = self;
         (0..AHEAD).for_each(|q| from.announce(q));
         for q in 0..27 {
             from.announce(q + AHEAD);

@@ -1,6 +1,6 @@
 //! Moves particles that drifted out of reach of their block to the block, the patch and the rank where they are now.
 use super::order::{END, Op};
-use super::ranks::occupied::Beside;
+use super::ranks::occupied::Neighbor;
 use super::ranks::reduction::{self, Counters};
 use super::ranks::{Channel, Network, NetworkError, collective, pack, unpack};
 use super::trace::{Event, Kind, Recorder};
@@ -21,7 +21,7 @@ pub struct Transit<'a> {
     /// The ranks.
     pub network: &'a mut dyn Network,
     /// Those in sight.
-    pub beside: &'a [Beside],
+    pub neighbors: &'a [Neighbor],
     /// What is reduced over all ranks on the way.
     pub labels: &'a [LabelId],
     /// What becomes of particles outside of the level.
@@ -146,9 +146,9 @@ impl Relocation {
         travelers: Vec<Traveler>,
         counters: &mut Counters,
     ) {
-        let Transit { network, beside, trace, .. } = way;
+        let Transit { network, neighbors, trace, .. } = way;
         let began = trace.now();
-        let mut bags: Vec<Vec<u64>> = vec![Vec::new(); beside.len()];
+        let mut bags: Vec<Vec<u64>> = vec![Vec::new(); neighbors.len()];
         for traveler in travelers {
             let home = warehouse.home(traveler.material, traveler.position);
             let rank = home.map_or(network.rank(), |(_, patch)| warehouse.partition.rank_of(patch));
@@ -158,17 +158,17 @@ impl Relocation {
             }
             counters[SENT] += 1;
             counters[SENT_WHO] = counters[SENT_WHO].wrapping_add(traveler.identity);
-            let neighbor = beside.iter().position(|beside| beside.rank == rank);
+            let neighbor = neighbors.iter().position(|neighbor| neighbor.rank == rank);
             counters[FAR] += u64::from(neighbor.is_none());
             traveler.write(neighbor.map_or(&mut self.far, |neighbor| &mut bags[neighbor]));
         }
         let mut lines = 0;
-        for (beside, bag) in beside.iter().zip(bags) {
+        for (neighbor, bag) in neighbors.iter().zip(bags) {
             let message = pack(&bag);
             lines += message.len();
-            network.send(beside.rank, Channel::Travelers, message);
+            network.send(neighbor.rank, Channel::Travelers, message);
         }
-        let sent = Event::other(Kind::Relocate).sent(beside.len(), lines * size_of::<Wide>());
+        let sent = Event::other(Kind::Relocate).sent(neighbors.len(), lines * size_of::<Wide>());
         trace.record(0, began, sent);
     }
 
@@ -179,9 +179,9 @@ impl Relocation {
         way: &mut Transit<'_>,
         counters: &mut Counters,
     ) -> Result<(), NetworkError> {
-        let Transit { network, beside, trace, .. } = way;
+        let Transit { network, neighbors, trace, .. } = way;
         let began = trace.now();
-        let messages = beside.iter().map(|beside| network.receive(beside.rank, Channel::Travelers));
+        let messages = neighbors.iter().map(|neighbor| network.receive(neighbor.rank, Channel::Travelers));
         let messages = messages.collect::<Result<Vec<_>, _>>()?;
         trace.record(0, began, Event::travelers());
         messages.iter().for_each(|message| self.take_in(warehouse, unpack(message), counters));
@@ -258,7 +258,7 @@ impl Relocation {
             let inserted = warehouse.insert(material, position, &record);
             debug_assert!(inserted.is_ok(), "who is not in the level has left it");
         }
-        warehouse.stale |= self.news;
+        warehouse.reactivate |= self.news;
     }
 }
 

@@ -16,8 +16,10 @@ pub const AHEAD: usize = CHUNK;
 /// Chunk labels, a region of node lines, node sums, and shared labels of one worker.
 pub struct Scratch {
     lines: Vec<Wide>,
-    /// Lines of each label of the schema.
-    lengths: Vec<usize>,
+    /// Labels of which something is in `lines`, with how many there are.
+    lengths: Vec<(LabelId, usize)>,
+    /// Labels of the schema.
+    labels: usize,
     /// Contributions to shared labels, and copies of those that are read.
     pub shared: Shared,
     /// Memory for the fields at a block's nodes.
@@ -46,10 +48,12 @@ fn length(label: LabelId, warehouse: &Warehouse) -> usize {
 impl Scratch {
     /// Scratch for work on `warehouse`.
     pub fn new(warehouse: &Warehouse) -> Self {
-        let lengths: Vec<usize> = warehouse.schema.labels().map(|label| length(label, warehouse)).collect();
+        let lengths = warehouse.schema.labels().map(|label| (label, length(label, warehouse)));
+        let lengths: Vec<(LabelId, usize)> = lengths.filter(|(_, length)| *length > 0).collect();
         Self {
-            lines: vec![Wide::default(); lengths.iter().sum()],
+            lines: vec![Wide::default(); lengths.iter().map(|(_, length)| length).sum()],
             lengths,
+            labels: warehouse.schema.len(),
             shared: warehouse.shared.clone(),
             fields: Vec::new(),
             columns: Vec::new(),
@@ -59,11 +63,11 @@ impl Scratch {
 
     /// A column a label, the shared labels, and the memory for fields.
     pub fn lend(&mut self) -> (Vec<&mut [Wide]>, &mut Shared, &mut Vec<FieldTime>) {
-        let mut columns = no_columns(std::mem::take(&mut self.columns), self.lengths.len());
+        let mut columns = no_columns(std::mem::take(&mut self.columns), self.labels);
         let mut rest = &mut self.lines[..];
-        for (column, &length) in columns.iter_mut().zip(&self.lengths).filter(|(_, length)| **length > 0) {
+        for &(label, length) in &self.lengths {
             let (own, after) = std::mem::take(&mut rest).split_at_mut(length);
-            (*column, rest) = (own, after);
+            (columns[label.index()], rest) = (own, after);
         }
         (columns, &mut self.shared, &mut self.fields)
     }

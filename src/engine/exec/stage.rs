@@ -201,7 +201,7 @@ pub fn update_nodes<const METERED: bool>(
         let lines = if is_there(label, present.len()) { length * present.len() } else { 0 };
         if stage.sums.contains(&label) {
             for (slot, sums) in column[..lines].chunks_exact_mut(length).enumerate() {
-                if !stage.givers.contains(&(label, context.fields.material(present[slot]))) {
+                if !stage.adders.contains(label, context.fields.material(present[slot])) {
                     reduction::clear(label.combine(), sums);
                     continue;
                 }

@@ -7,7 +7,7 @@ use super::meter::{Laps, Tally, What};
 use super::order::{self, Cursor, Op, Part, Segment, Wave};
 use super::ranks::halos::Halos;
 use super::ranks::migrate;
-use super::ranks::occupied::{self, Beside};
+use super::ranks::occupied::{self, Neighbor};
 use super::ranks::reduction::{self, Counters};
 use super::ranks::{Network, NetworkError};
 use super::relocate::{Leaving, Relocation, Transit};
@@ -41,7 +41,7 @@ pub struct Engine {
     /// The wave that runs.
     wave: Wave,
     /// Ranks in sight.
-    beside: Vec<Beside>,
+    neighbors: Vec<Neighbor>,
     /// What passes between them and this one.
     halos: Halos,
     /// Messages that a wave waits for.
@@ -57,10 +57,10 @@ impl Engine {
     /// An engine for runs on `warehouse`.
     pub fn new(backend: Box<dyn Backend>, isa: Isa, warehouse: &Warehouse) -> Self {
         let scratch = (0..backend.workers()).map(|_| Mutex::new(Scratch::new(warehouse))).collect();
-        let beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
+        let neighbors = occupied::neighbors(&warehouse.decomposition, &warehouse.partition);
         // a run that goes on knows its blocks already
-        let active = warehouse.partition.ranks > 1 && !warehouse.stale;
-        let halos = if active { Halos::new(warehouse, &beside) } else { Halos::default() };
+        let active = warehouse.partition.ranks > 1 && !warehouse.reactivate;
+        let halos = if active { Halos::new(warehouse, &neighbors) } else { Halos::default() };
         Self {
             backend,
             isa,
@@ -70,7 +70,7 @@ impl Engine {
             buffers: Buffers::default(),
             slabs: Vec::new(),
             wave: Wave::default(),
-            beside,
+            neighbors,
             halos,
             outstanding: Vec::new(),
             metered: false,
@@ -147,7 +147,7 @@ impl Engine {
         warehouse: &mut Warehouse,
         network: &mut dyn Network,
     ) -> Result<(), NetworkError> {
-        if warehouse.stale {
+        if warehouse.reactivate {
             self.activate(warehouse, network)?;
         }
         if self.slabs.is_empty() {
@@ -183,13 +183,13 @@ impl Engine {
     /// Which blocks are active, here and in sight.
     fn activate(&mut self, warehouse: &mut Warehouse, network: &mut dyn Network) -> Result<(), NetworkError> {
         if network.size() > 1 {
-            occupied::tell(network, warehouse, &self.beside)?;
+            occupied::tell(network, warehouse, &self.neighbors)?;
         }
         self.backend.download(Purpose::Activation, &mut Blocks::of(warehouse));
         self.metered(What::Activation, || warehouse.activate());
         self.backend.upload(Purpose::Activation, &mut Blocks::of(warehouse));
         if network.size() > 1 {
-            self.halos = Halos::new(warehouse, &self.beside);
+            self.halos = Halos::new(warehouse, &self.neighbors);
         }
         self.slabs.clear();
         Ok(())
@@ -206,7 +206,7 @@ impl Engine {
         network: &mut dyn Network,
     ) -> Result<(), NetworkError> {
         migrate::migrate(network, warehouse, partition)?;
-        self.beside = occupied::beside(&warehouse.decomposition, &warehouse.partition);
+        self.neighbors = occupied::neighbors(&warehouse.decomposition, &warehouse.partition);
         Ok(())
     }
 
@@ -244,7 +244,7 @@ impl Engine {
     ) -> Result<Relocation, NetworkError> {
         let moved = |material: usize| self.schedule.ends(material);
         let (labels, trace) = (&graph.at_end[..], &self.trace);
-        let mut way = Transit { network, beside: &self.beside, labels, leaving, trace };
+        let mut way = Transit { network, neighbors: &self.neighbors, labels, leaving, trace };
         let prepare = || Relocation::prepare(warehouse, &mut way, moved);
         self.metered(What::Relocation, prepare)
     }

@@ -147,7 +147,7 @@ fn reduction(ranks: usize) -> Vec<(usize, usize)> {
     let sent = |rank| {
         collective::acts(rank, ranks).filter_map(move |act| match act {
             Act::Send(to) => Some((rank, to)),
-            Act::Merge(_) | Act::Take(_) => None,
+            Act::Merge(_) | Act::Receive(_) => None,
         })
     };
     (0..ranks).flat_map(sent).collect()

@@ -4,7 +4,7 @@ use super::exchange::{self, Exchange};
 use super::fuse;
 use super::phase::Phase;
 use super::prune;
-use super::recipe::{Edge, Graph, Node, Recipe, Why, everywhere};
+use super::recipe::{Edge, Graph, Recipe, TaskNode, Why, everywhere};
 use super::task::{Access, Mode};
 use super::usage;
 use crate::schema::{Combine, Home, LabelId, Life, Schema};
@@ -63,6 +63,8 @@ impl TaskGraph {
         });
         refusals.extend(usage::escapes(&graph, &phases, patches));
         refusals.extend(usage::never_summed(&graph, &phases));
+        refusals.extend(usage::added_after_move(&graph, &phases, recipe.schema.roles.extent));
+        refusals.extend(usage::added_after_reduction(&graph, &phases));
         let waves = fuse::waves(&phases);
         let outputs = outputs.to_vec();
         (
@@ -131,7 +133,7 @@ fn derive(recipe: &Recipe, patches: usize) -> (Graph, Vec<GraphError>) {
             Some(m) => format!("{}[{}]", declaration.name, recipe.materials[m]),
             None => declaration.name.to_owned(),
         };
-        let node = Node { declaration, entry: index, material: entry.material, name };
+        let node = TaskNode { declaration, entry: index, material: entry.material, name };
         let node = derivation.graph.add_node(node);
         for access in declaration.access.iter().filter(|a| a.mode != Mode::Scratch) {
             refusals.extend(derivation.check_ghost(node, access).err());

@@ -1,6 +1,6 @@
 //! Hazards: what the builder does not refuse, and should make one suspicious.
 use super::build::TaskGraph;
-use super::recipe::Node;
+use super::recipe::TaskNode;
 use super::task::{Access, Mode};
 use crate::schema::{Combine, Home, LabelId};
 use petgraph::algo::has_path_connecting;
@@ -120,7 +120,7 @@ struct Check<'a> {
 
 impl Check<'_> {
     /// All tasks with all that they access, in the order of the recipe.
-    fn accesses(&self) -> impl Iterator<Item = (NodeIndex, &Node, &'static Access)> {
+    fn accesses(&self) -> impl Iterator<Item = (NodeIndex, &TaskNode, &'static Access)> {
         let nodes = self.graph.graph.node_indices().map(|n| (n, &self.graph.graph[n]));
         let all =
             nodes.flat_map(|(n, node)| node.declaration.access.iter().map(move |access| (n, node, access)));
@@ -151,7 +151,7 @@ impl Check<'_> {
         let mut found = Vec::new();
         let mut spread = BTreeSet::new();
         for phase in &self.graph.phases {
-            let nodes: Vec<&Node> =
+            let nodes: Vec<&TaskNode> =
                 phase.stages.iter().flat_map(|s| &s.nodes).map(|&n| &self.graph.graph[n]).collect();
             let mut here = BTreeSet::new();
             for node in &nodes {
@@ -194,7 +194,7 @@ impl Check<'_> {
 
     fn wide_ghosts(&self, narrowest: usize) -> Vec<Hazard> {
         let wide = self.accesses().filter(|(_, _, a)| usize::from(a.ghost) > narrowest);
-        let hazard = |(_, node, a): (NodeIndex, &Node, &Access)| {
+        let hazard = |(_, node, a): (NodeIndex, &TaskNode, &Access)| {
             let (task, label, ghost) = (node.name.clone(), a.label, a.ghost);
             Hazard::WideGhost { task, label, ghost, narrowest }
         };
@@ -210,7 +210,7 @@ impl Check<'_> {
             if !matches!(a.mode, Mode::RequiresNew | Mode::Requires) {
                 continue;
             }
-            let adds = |&(n, other, b): &(NodeIndex, &Node, &Access)| {
+            let adds = |&(n, other, b): &(NodeIndex, &TaskNode, &Access)| {
                 n != reader
                     && b.label == a.label
                     && b.mode == Mode::Computes
@@ -244,6 +244,6 @@ impl Check<'_> {
 }
 
 /// Whether two tasks can touch the same material's data.
-fn share_material(a: &Node, b: &Node) -> bool {
+fn share_material(a: &TaskNode, b: &TaskNode) -> bool {
     a.material.is_none() || b.material.is_none() || a.material == b.material
 }

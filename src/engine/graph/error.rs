@@ -104,6 +104,26 @@ pub enum GraphError {
         /// The label.
         label: LabelId,
     },
+    /// Particles add to a sum, move, and add to it again: the first parts are where particles no longer are.
+    #[error("{task} adds to {}, to which its particles have added before {mover} moved them: let a task over nodes read the sum in between, or add to another label", label.name())]
+    AddsAfterMove {
+        /// The task that adds again.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// Who moved the particles.
+        mover: String,
+    },
+    /// Ranks have brought their parts of a sum together, and another task adds to it in the same graph.
+    #[error("{task} adds to {} after {reader} has read it in the same graph: what ranks have brought together would count once a rank; add to another label, or in a graph of its own", label.name())]
+    AddsAfterReduction {
+        /// The task that adds.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// Who has read it.
+        reader: String,
+    },
     /// A loop waits for a label that is not the same everywhere.
     #[error("a loop waits for {}, which is no label of the run: let a task that runs once compute one", label.name())]
     UntilWhat {

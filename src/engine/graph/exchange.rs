@@ -1,4 +1,5 @@
 //! What ranks and patches exchange: derived from declarations and rows, like the edges.
+use super::adders::Adders;
 use super::phase::Phase;
 use super::task::{Access, Domain, Mode};
 use crate::schema::{Combine, Home, LabelId, Life, Schema};
@@ -15,8 +16,8 @@ pub struct Exchange {
     pub way: Way,
     /// Of which labels, at most [`MOST_LABELS`].
     pub labels: Vec<LabelId>,
-    /// Of partial sums: label and material of who adds them.
-    pub givers: BTreeSet<(LabelId, usize)>,
+    /// Of partial sums: who has added to them.
+    pub adders: Adders,
     /// Of values: whether those of all nodes travel that particles may touch, because the readers have not added to nodes in
     /// this graph, or have moved since, so that nobody knows which nodes they touch.
     pub whole: bool,
@@ -74,8 +75,8 @@ fn exchanges(schema: &Schema, phases: &mut [Phase]) -> Vec<Exchange> {
                 Some(exchange) => exchange.labels.push(label),
                 None => {
                     let whole = way == Way::Values && !touched.is_known(&phases[number], from);
-                    let (labels, givers) = (vec![label], BTreeSet::new());
-                    exchanges.push(Exchange { from, to: number, way, labels, givers, whole });
+                    let (labels, adders) = (vec![label], Adders::default());
+                    exchanges.push(Exchange { from, to: number, way, labels, adders, whole });
                 }
             }
             if way == Way::Partials {
@@ -97,7 +98,7 @@ fn exchanges(schema: &Schema, phases: &mut [Phase]) -> Vec<Exchange> {
             phases[from].sends.push(number);
             let stages = phases[..=from].iter().flat_map(|phase| &phase.stages);
             let adds = stages.flat_map(|stage| stage.adds.iter().filter_map(|&l| Some((l, stage.material?))));
-            exchange.givers = adds.filter(|(label, _)| exchange.labels.contains(label)).collect();
+            exchange.adders.extend(adds.filter(|(label, _)| exchange.labels.contains(label)));
         }
     }
     exchanges
@@ -148,7 +149,7 @@ impl Touched {
 fn partial_sums(phases: &mut [Phase]) {
     let mut fresh = BTreeSet::new();
     let mut last_use: BTreeMap<LabelId, usize> = BTreeMap::new();
-    let mut given: BTreeSet<(LabelId, usize)> = BTreeSet::new();
+    let mut adders = Adders::default();
     for (number, phase) in phases.iter_mut().enumerate() {
         for stage in &mut phase.stages {
             let partial = stage.touched.iter().filter(|a| a.label.is_partial());
@@ -157,13 +158,12 @@ fn partial_sums(phases: &mut [Phase]) {
                     let read = partial.filter(|a| a.mode.reads()).map(|a| a.label);
                     let sums = read.filter(|label| label.life() == Life::Stage || fresh.remove(label));
                     stage.sums = sums.collect();
-                    let summed = given.iter().filter(|(label, _)| stage.sums.contains(label));
-                    stage.givers = summed.copied().collect();
+                    stage.adders = adders.of(&stage.sums);
                     last_use.extend(stage.sums.iter().map(|&label| (label, number)));
                 }
                 _ => {
                     fresh.extend(stage.adds.iter().copied());
-                    given.extend(stage.adds.iter().filter_map(|&label| Some((label, stage.material?))));
+                    adders.extend(stage.adds.iter().filter_map(|&label| Some((label, stage.material?))));
                     last_use.extend(stage.adds.iter().map(|&label| (label, number)));
                 }
             }

@@ -1,10 +1,11 @@
 //! Joins neighbors of the recipe into stages, and independent stages into phases.
 //!
 //! A stage's tasks run together, chunk by chunk of particles or block by block of nodes, so that what passes
-//! between them stays in cache. A node label that particles fill needs all blocks first: it ends a stage.
+//! between them stays in cache. A node label that particles fill needs all blocks first: it ends a stage. So does a task that
+//! moves particles, before one that has to do with nodes.
 use super::error::GraphError;
 use super::phase::{Phase, Stage, When};
-use super::recipe::{Graph, Recipe, Why, everywhere, over_particles};
+use super::recipe::{Graph, Recipe, TaskNode, Why, everywhere, over_particles};
 use super::task::{Access, Domain, Mode};
 use crate::schema::Home;
 use petgraph::Direction;
@@ -24,6 +25,7 @@ pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> (Vec<Phase>, Vec<
             domain != Domain::Once
                 && (s.domain, s.material) == (domain, material)
                 && !needs_all_blocks(graph, node, s)
+                && !(s.touches(recipe.schema.roles.extent, Mode::writes) && at_nodes(&graph[node]))
         });
         if !joins {
             stages.push(Stage::new(domain, material));
@@ -38,6 +40,11 @@ pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> (Vec<Phase>, Vec<
         refusals.extend(check_chunk_labels(graph, node, stage, patches).err());
     }
     (group(graph, recipe, stages), refusals)
+}
+
+/// Whether a task has to do with nodes: which ones its particles touch has to be known before the stage.
+fn at_nodes(node: &TaskNode) -> bool {
+    node.declaration.access.iter().any(|a| a.label.home() == Home::Node)
 }
 
 /// Whether a task over particles adds to nodes.

@@ -1,4 +1,5 @@
 //! From a recipe of declared tasks to a graph that runs: edges derived, idle tasks pruned, chains fused.
+pub mod adders;
 pub mod build;
 pub mod check;
 pub mod error;

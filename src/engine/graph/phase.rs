@@ -1,4 +1,5 @@
 //! What runs: stages of fused tasks, and phases of stages that may run at the same time.
+use super::adders::Adders;
 use super::task::{Access, Domain, Mode};
 use crate::schema::{Combine, Home, LabelId, Life, Schema};
 use petgraph::stable_graph::NodeIndex;
@@ -27,8 +28,8 @@ pub struct Stage {
     pub reads: Vec<LabelId>,
     /// Labels of nodes whose partial sums a stage over nodes adds up.
     pub sums: Vec<LabelId>,
-    /// Who has added to them in this graph: label and material. Of others there is nothing.
-    pub givers: BTreeSet<(LabelId, usize)>,
+    /// Who has added to them in this graph. Of others there is nothing.
+    pub adders: Adders,
     /// Labels of nodes to which particles added before, and whose partial sums nobody needs any more.
     pub releases: Vec<LabelId>,
     /// Whether it is over nodes and touches what they keep from step to step: it runs also where no particle touches them.
@@ -49,7 +50,7 @@ impl Stage {
     pub(super) fn new(domain: Domain, material: Option<usize>) -> Self {
         let (entries, nodes, touched, when) = (Vec::new(), Vec::new(), Vec::new(), When::End);
         let [adds, begins, reads, sums, releases] = [const { Vec::new() }; 5];
-        let (givers, everywhere) = (BTreeSet::new(), false);
+        let (adders, everywhere) = (Adders::default(), false);
         Self {
             domain,
             material,
@@ -61,7 +62,7 @@ impl Stage {
             begins,
             reads,
             sums,
-            givers,
+            adders,
             releases,
             everywhere,
         }

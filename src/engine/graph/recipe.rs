@@ -82,7 +82,7 @@ pub struct Edge {
 
 /// A task in the graph.
 #[derive(Clone, Debug)]
-pub struct Node {
+pub struct TaskNode {
     /// What it declared.
     pub declaration: Declaration,
     /// Its line of the recipe.
@@ -94,7 +94,7 @@ pub struct Node {
 }
 
 /// The dependency graph over tasks.
-pub type Graph = StableDiGraph<Node, Edge>;
+pub type Graph = StableDiGraph<TaskNode, Edge>;
 
 /// Whether the task runs over particles.
 pub fn over_particles(domain: Domain) -> bool {

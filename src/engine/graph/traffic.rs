@@ -165,7 +165,7 @@ impl Traffic {
             let Some(messages) = pairs.get_mut(&pair) else { continue };
             for &material in &acting {
                 let travels = |label: &&LabelId| match exchange.way {
-                    Way::Partials => exchange.givers.contains(&(**label, material)),
+                    Way::Partials => exchange.adders.contains(**label, material),
                     Way::Values => true,
                 };
                 for &label in exchange.labels.iter().filter(travels) {

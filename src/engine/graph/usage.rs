@@ -1,10 +1,11 @@
 //! Whether a task may use a label as it declares: by what the task runs over, and where the label is.
 use super::error::GraphError;
-use super::phase::Phase;
-use super::recipe::{Graph, Node, Why, everywhere, over_particles};
+use super::phase::{Phase, Stage};
+use super::recipe::{Graph, TaskNode, Why, everywhere, over_particles};
 use super::task::{Access, Domain, Mode};
 use crate::schema::{Combine, Crossing, Home, LabelId, Life};
 use petgraph::visit::{EdgeRef, IntoEdgeReferences};
+use std::collections::BTreeMap;
 
 /// What a task does, and what to do instead.
 type Misuse = (&'static str, &'static str);
@@ -13,7 +14,7 @@ type Misuse = (&'static str, &'static str);
 ///
 /// # Errors
 /// [`GraphError::Misuse`], [`GraphError::NoGhosts`].
-pub fn check(node: &Node, access: &Access) -> Result<(), GraphError> {
+pub fn check(node: &TaskNode, access: &Access) -> Result<(), GraphError> {
     let (task, label, domain) = (node.name.clone(), access.label, node.declaration.domain);
     if let Some((what, remedy)) = misuse(domain, access) {
         return Err(GraphError::Misuse { task, label, what, remedy });
@@ -109,6 +110,56 @@ pub fn escapes(graph: &Graph, phases: &[Phase], patches: usize) -> Vec<GraphErro
     found
 }
 
+/// The name of the first task of a stage that uses a label in some way.
+fn user(graph: &Graph, stage: &Stage, label: LabelId, wanted: fn(Mode) -> bool) -> Option<String> {
+    let uses = |a: &Access| a.label == label && wanted(a.mode);
+    let task = stage.nodes.iter().find(|node| graph[**node].declaration.access.iter().any(uses));
+    task.map(|node| graph[*node].name.clone())
+}
+
+/// Sums to which particles add, and again after they have moved.
+pub fn added_after_move(graph: &Graph, phases: &[Phase], extent: LabelId) -> Vec<GraphError> {
+    // by label and material: who has moved the particles since they added, if anybody
+    let mut open: BTreeMap<(LabelId, usize), Option<String>> = BTreeMap::new();
+    let mut found = Vec::new();
+    for stage in phases.iter().flat_map(|phase| &phase.stages) {
+        open.retain(|(label, _), _| !stage.sums.contains(label));
+        let Some(material) = stage.material else { continue };
+        for &label in &stage.adds {
+            if let (Some(mover), Some(task)) =
+                (open.entry((label, material)).or_default(), user(graph, stage, label, Mode::writes))
+            {
+                found.push(GraphError::AddsAfterMove { task, label, mover: mover.clone() });
+            }
+        }
+        if let Some(mover) = user(graph, stage, extent, Mode::writes) {
+            let mine = open.iter_mut().filter(|((_, of), _)| *of == material);
+            mine.for_each(|(_, moved)| *moved = Some(mover.clone()));
+        }
+    }
+    found
+}
+
+/// Sums that ranks have brought together for a phase, and to which a task adds in it or after it.
+pub fn added_after_reduction(graph: &Graph, phases: &[Phase]) -> Vec<GraphError> {
+    let mut whole: BTreeMap<LabelId, String> = BTreeMap::new();
+    let mut found = Vec::new();
+    for phase in phases {
+        for &label in phase.reductions.iter().filter(|label| label.combine().is_sum()) {
+            let reader = phase.stages.iter().find_map(|stage| user(graph, stage, label, Mode::reads));
+            whole.insert(label, reader.unwrap_or_default());
+        }
+        for (label, reader) in &whole {
+            let adds = |stage: &Stage| user(graph, stage, *label, |mode| mode == Mode::Computes);
+            let task = phase.stages.iter().filter(|stage| stage.domain != Domain::Once).find_map(adds);
+            if let Some(task) = task {
+                found.push(GraphError::AddsAfterReduction { task, label: *label, reader: reader.clone() });
+            }
+        }
+    }
+    found
+}
+
 /// Partial sums that are to outlive the graph, and that no stage over nodes adds up.
 pub fn never_summed(graph: &Graph, phases: &[Phase]) -> Vec<GraphError> {
     let sums = |from: usize, label: &LabelId| {
@@ -119,9 +170,7 @@ pub fn never_summed(graph: &Graph, phases: &[Phase]) -> Vec<GraphError> {
         for stage in &phase.stages {
             for &label in stage.adds.iter().filter(|label| label.life() >= Life::Step && !sums(number, label))
             {
-                let adds = |a: &Access| a.label == label && a.mode.writes();
-                let task = stage.nodes.iter().find(|n| graph[**n].declaration.access.iter().any(adds));
-                let task = task.map(|n| graph[*n].name.clone()).unwrap_or_default();
+                let task = user(graph, stage, label, Mode::writes).unwrap_or_default();
                 found.push(GraphError::NeverSummed { task, label });
             }
         }

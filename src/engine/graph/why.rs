@@ -1,6 +1,6 @@
 //! Why something is in the graph: the line of the scene behind a task, who makes and reads a label, what an edge is for.
 use super::build::TaskGraph;
-use super::recipe::Node;
+use super::recipe::TaskNode;
 use crate::schema::Life;
 use petgraph::algo::astar;
 use petgraph::stable_graph::NodeIndex;
@@ -42,7 +42,7 @@ impl TaskGraph {
     /// chain of edges between them; in lines.
     pub fn why_edge(&self, from: &str, to: &str) -> Vec<String> {
         let named = |name: &str| -> Vec<NodeIndex> {
-            let wanted = |node: &Node| {
+            let wanted = |node: &TaskNode| {
                 node.name.eq_ignore_ascii_case(name) || node.declaration.name.eq_ignore_ascii_case(name)
             };
             self.graph.node_indices().filter(|&n| wanted(&self.graph[n])).collect()

@@ -1,5 +1,5 @@
 //! Hazards between graphs and rounds: labels that are read where nobody has left them whole.
-use super::follow::{Course, Left, Read, follow};
+use super::follow::{Course, LabelRead, Written, follow};
 use super::{Loop, Program};
 use crate::graph::build::TaskGraph;
 use crate::graph::task::{Domain, Mode};
@@ -117,14 +117,14 @@ pub fn hazards(program: &Program) -> Vec<RoundHazard> {
     found
 }
 
-fn hazard(course: &Course<'_>, read: &Read) -> Option<RoundHazard> {
+fn hazard(course: &Course<'_>, read: &LabelRead) -> Option<RoundHazard> {
     let (graph, label) = (course.graphs[read.graph], read.access.label);
     if begins(graph, read) {
         return None;
     }
     let name = |number: usize| course.graphs[number].name.to_owned();
     let site = Site { graph: name(read.graph), task: graph.graph[read.task].name.clone(), label };
-    let Some(Left { graph: from, moved }) = read.from else {
+    let Some(Written { graph: from, moved }) = read.from else {
         return nobody(course, read, site);
     };
     match (label.life(), moved) {
@@ -138,19 +138,19 @@ fn hazard(course: &Course<'_>, read: &Read) -> Option<RoundHazard> {
 }
 
 /// Where materials take steps of their own, tasks over nodes are told where one begins, and begin what they modify there.
-fn begins(graph: &TaskGraph, read: &Read) -> bool {
+fn begins(graph: &TaskGraph, read: &LabelRead) -> bool {
     let nodes = graph.graph[read.task].declaration.domain == Domain::Nodes;
     let modifies = nodes && read.access.label.home() == Home::Node && read.access.mode == Mode::Modifies;
     modifies && graph.schema().roles.rates.is_some()
 }
 
 /// Nobody has left it in this step: what the last step carries is there; what only a later graph leaves is missing once.
-fn nobody(course: &Course<'_>, read: &Read, site: Site) -> Option<RoundHazard> {
+fn nobody(course: &Course<'_>, read: &LabelRead, site: Site) -> Option<RoundHazard> {
     if site.label.life() == Life::Carried {
         return None;
     }
     let same =
-        |other: &&Read| (other.graph, other.task, other.access) == (read.graph, read.task, read.access);
+        |other: &&LabelRead| (other.graph, other.task, other.access) == (read.graph, read.task, read.access);
     let later = course.reads.iter().filter(same).find_map(|other| other.from);
     let brief = || in_vain(course, read).filter(|_| site.label.life() < Life::Step);
     match later.map(|left| left.graph).or_else(brief).map(|from| course.graphs[from].name.to_owned()) {
@@ -161,7 +161,7 @@ fn nobody(course: &Course<'_>, read: &Read, site: Site) -> Option<RoundHazard> {
 }
 
 /// Another graph whose recipe writes what a read wants: if it lives too short, nobody there reads it, and the task is pruned.
-fn in_vain(course: &Course<'_>, read: &Read) -> Option<usize> {
+fn in_vain(course: &Course<'_>, read: &LabelRead) -> Option<usize> {
     let writes = |number: &usize| {
         let entries = &course.graphs[*number].recipe.entries;
         let mut access = entries.iter().flat_map(|entry| entry.task.declaration().access);
@@ -172,7 +172,7 @@ fn in_vain(course: &Course<'_>, read: &Read) -> Option<usize> {
 }
 
 /// Whether the ghosts that a task reads of what an earlier graph left have been sent.
-fn sent(graph: &TaskGraph, read: &Read) -> bool {
+fn sent(graph: &TaskGraph, read: &LabelRead) -> bool {
     let label = read.access.label;
     let phase =
         graph.phases.iter().position(|phase| phase.stages.iter().any(|s| s.nodes.contains(&read.task)));

@@ -1,5 +1,5 @@
 //! Follows a program as it runs: who has left what a graph reads before it writes it.
-use super::{Loop, Node, Program};
+use super::{Loop, Program, ProgramNode};
 use crate::graph::build::TaskGraph;
 use crate::graph::recipe::Why;
 use crate::graph::task::Access;
@@ -13,7 +13,7 @@ pub(super) type Key = (LabelId, usize);
 
 /// Who has left a label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Left {
+pub(super) struct Written {
     /// The last graph that wrote it, by number.
     pub(super) graph: usize,
     /// A graph that has moved particles since.
@@ -22,7 +22,7 @@ pub(super) struct Left {
 
 /// A task reads what no task of its graph has written before.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Read {
+pub(super) struct LabelRead {
     /// The graph, by number.
     pub(super) graph: usize,
     /// The task.
@@ -32,7 +32,7 @@ pub(super) struct Read {
     /// Whose label.
     pub(super) material: usize,
     /// Who has left it in this step.
-    pub(super) from: Option<Left>,
+    pub(super) from: Option<Written>,
 }
 
 /// A program that has been followed through a step.
@@ -40,25 +40,25 @@ pub(super) struct Course<'a> {
     /// Its graphs.
     pub(super) graphs: Vec<&'a TaskGraph>,
     /// All reads, each once from each source.
-    pub(super) reads: Vec<Read>,
+    pub(super) reads: Vec<LabelRead>,
     /// What is left at the end.
-    pub(super) left: BTreeMap<Key, Left>,
+    pub(super) written: BTreeMap<Key, Written>,
 }
 
 /// Follows a program. Two rounds of a loop tell all: later ones find what the second finds.
 pub(super) fn follow(program: &Program) -> Course<'_> {
-    let mut course = Course { graphs: program.graphs(), reads: Vec::new(), left: BTreeMap::new() };
+    let mut course = Course { graphs: program.graphs(), reads: Vec::new(), written: BTreeMap::new() };
     course.nodes(&program.nodes, 0);
     course
 }
 
 impl Course<'_> {
     /// Follows parts of which the first graph has the number `next`; returns the number after the last one.
-    fn nodes(&mut self, nodes: &[Node], mut next: usize) -> usize {
+    fn nodes(&mut self, nodes: &[ProgramNode], mut next: usize) -> usize {
         for node in nodes {
             next = match node {
-                Node::Graph(_) => self.graph(next),
-                Node::Loop(it) => self.rounds(it, next),
+                ProgramNode::Graph(_) => self.graph(next),
+                ProgramNode::Loop(it) => self.rounds(it, next),
             };
         }
         next
@@ -77,12 +77,12 @@ impl Course<'_> {
         for (task, node) in graph.graph.node_indices().map(|task| (task, &graph.graph[task])) {
             for access in node.declaration.access.iter().filter(|a| a.mode.writes()) {
                 for key in keys(graph, task, access.label) {
-                    self.left.insert(key, Left { graph: number, moved: None });
+                    self.written.insert(key, Written { graph: number, moved: None });
                 }
             }
         }
         if graph.moves_particles() {
-            let nodes = self.left.iter_mut().filter(|((label, _), _)| label.home() == Home::Node);
+            let nodes = self.written.iter_mut().filter(|((label, _), _)| label.home() == Home::Node);
             nodes.for_each(|(_, left)| left.moved = Some(number));
         }
         number + 1
@@ -91,9 +91,9 @@ impl Course<'_> {
     /// A task of all materials reads those that somebody has left, and none if nobody has left any.
     fn read(&mut self, graph: usize, task: NodeIndex, access: Access) {
         let keys = keys(self.graphs[graph], task, access.label);
-        let found: Vec<_> = keys.iter().filter_map(|key| Some((key.1, *self.left.get(key)?))).collect();
+        let found: Vec<_> = keys.iter().filter_map(|key| Some((key.1, *self.written.get(key)?))).collect();
         let mut add = |material, from| {
-            let read = Read { graph, task, access, material, from };
+            let read = LabelRead { graph, task, access, material, from };
             if !self.reads.contains(&read) {
                 self.reads.push(read);
             }

@@ -7,7 +7,7 @@ mod outline;
 mod pass;
 
 pub use check::{RoundHazard, Site, hazards};
-pub use pass::{Pass, When, passes};
+pub use pass::{Delay, Pass, passes};
 
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
@@ -20,11 +20,11 @@ pub struct Program {
     /// Its name in dumps.
     pub name: String,
     /// What it does, in order.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<ProgramNode>,
 }
 
 /// A part of a program.
-pub enum Node {
+pub enum ProgramNode {
     /// Runs a graph once.
     Graph(Box<TaskGraph>),
     /// Runs some parts again and again.
@@ -34,7 +34,7 @@ pub enum Node {
 /// A loop.
 pub struct Loop {
     /// What a round does.
-    pub body: Vec<Node>,
+    pub body: Vec<ProgramNode>,
     /// A label of the run that a round computes: the loop ends with the round that leaves another first number than zero.
     pub until: LabelId,
     /// The most rounds; what happens when they were not enough is for the application to say.
@@ -92,7 +92,7 @@ impl Program {
 
     /// A program of one graph.
     pub fn of(name: &str, graph: TaskGraph) -> Self {
-        Self { name: name.to_owned(), nodes: vec![Node::Graph(Box::new(graph))] }
+        Self { name: name.to_owned(), nodes: vec![ProgramNode::Graph(Box::new(graph))] }
     }
 
     /// All its graphs, in order.
@@ -128,8 +128,8 @@ impl Program {
     pub fn into_main_graph(mut self) -> TaskGraph {
         loop {
             match self.nodes.swap_remove(0) {
-                Node::Graph(graph) => return *graph,
-                Node::Loop(it) => self.nodes = it.body,
+                ProgramNode::Graph(graph) => return *graph,
+                ProgramNode::Loop(it) => self.nodes = it.body,
             }
         }
     }
@@ -161,19 +161,19 @@ impl Script {
         }
     }
 
-    fn inspect(self, wanted: &[LabelId], patches: usize, refusals: &mut Vec<GraphError>) -> Node {
+    fn inspect(self, wanted: &[LabelId], patches: usize, refusals: &mut Vec<GraphError>) -> ProgramNode {
         match self {
             Script::Graph(name, recipe) => {
                 let (graph, refused) = TaskGraph::inspect(recipe, wanted, patches);
                 refusals.extend(refused);
-                Node::Graph(Box::new(graph.named(name)))
+                ProgramNode::Graph(Box::new(graph.named(name)))
             }
             Script::Loop { body, until, most } => {
                 if until.home() != Home::Run {
                     refusals.push(GraphError::UntilWhat { label: until });
                 }
                 let body = body.into_iter().map(|part| part.inspect(wanted, patches, refusals)).collect();
-                Node::Loop(Loop { body, until, most })
+                ProgramNode::Loop(Loop { body, until, most })
             }
         }
     }
@@ -188,22 +188,22 @@ impl Loop {
     }
 }
 
-impl Node {
+impl ProgramNode {
     fn graphs<'a>(&'a self, graphs: &mut Vec<&'a TaskGraph>) {
         match self {
-            Node::Graph(graph) => graphs.push(graph),
-            Node::Loop(it) => it.body.iter().for_each(|node| node.graphs(graphs)),
+            ProgramNode::Graph(graph) => graphs.push(graph),
+            ProgramNode::Loop(it) => it.body.iter().for_each(|node| node.graphs(graphs)),
         }
     }
     fn graphs_mut<'a>(&'a mut self, graphs: &mut Vec<&'a mut TaskGraph>) {
         match self {
-            Node::Graph(graph) => graphs.push(graph),
-            Node::Loop(it) => it.body.iter_mut().for_each(|node| node.graphs_mut(graphs)),
+            ProgramNode::Graph(graph) => graphs.push(graph),
+            ProgramNode::Loop(it) => it.body.iter_mut().for_each(|node| node.graphs_mut(graphs)),
         }
     }
 
     fn loops<'a>(&'a self, loops: &mut Vec<&'a Loop>) {
-        if let Node::Loop(it) = self {
+        if let ProgramNode::Loop(it) = self {
             loops.push(it);
             it.body.iter().for_each(|node| node.loops(loops));
         }

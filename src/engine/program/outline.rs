@@ -1,5 +1,5 @@
 //! The tree of a program in lines.
-use super::{Loop, Node, Program};
+use super::{Loop, Program, ProgramNode};
 use std::fmt;
 
 impl Loop {
@@ -21,15 +21,15 @@ impl fmt::Display for Program {
     }
 }
 
-fn lines(nodes: &[Node], depth: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+fn lines(nodes: &[ProgramNode], depth: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     for node in nodes {
         write!(f, "{:indent$}", "", indent = 2 * depth)?;
         match node {
-            Node::Graph(graph) => {
+            ProgramNode::Graph(graph) => {
                 let tasks = graph.graph.node_count();
                 writeln!(f, "graph {}: {tasks} task{}", graph.name, if tasks == 1 { "" } else { "s" })?;
             }
-            Node::Loop(it) => {
+            ProgramNode::Loop(it) => {
                 writeln!(f, "{}", it.title())?;
                 lines(&it.body, depth + 1, f)?;
             }

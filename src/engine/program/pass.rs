@@ -1,6 +1,6 @@
 //! What passes between graphs: labels that one leaves and another reads, or the same in the next round.
 use super::Program;
-use super::follow::{Course, Read, follow, keys};
+use super::follow::{Course, LabelRead, follow, keys};
 use crate::graph::build::TaskGraph;
 use crate::schema::{Home, LabelId, Life};
 use petgraph::stable_graph::NodeIndex;
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 /// When what a graph leaves is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum When {
+pub enum Delay {
     /// By a later graph.
     Onward,
     /// In the next round of the innermost loop around both graphs.
@@ -17,13 +17,13 @@ pub enum When {
     NextStep,
 }
 
-impl When {
+impl Delay {
     /// In words.
     pub fn name(self) -> &'static str {
         match self {
-            When::Onward => "onward",
-            When::NextRound => "next round",
-            When::NextStep => "next step",
+            Delay::Onward => "onward",
+            Delay::NextRound => "next round",
+            Delay::NextStep => "next step",
         }
     }
 }
@@ -36,7 +36,7 @@ pub struct Pass {
     /// The graph that reads it before it writes it.
     pub to: usize,
     /// When.
-    pub when: When,
+    pub delay: Delay,
     /// The label.
     pub label: LabelId,
     /// Whose; `None` for what belongs to no material.
@@ -50,29 +50,31 @@ pub struct Pass {
 /// All that passes between the graphs of a program, in the order of reading.
 pub fn passes(program: &Program) -> Vec<Pass> {
     let course = follow(program);
-    let mut passes: BTreeMap<(usize, usize, When, LabelId, usize), Vec<NodeIndex>> = BTreeMap::new();
+    let mut passes: BTreeMap<(usize, usize, Delay, LabelId, usize), Vec<NodeIndex>> = BTreeMap::new();
     for read in &course.reads {
-        if let Some((from, when)) = source(&course, read) {
-            let key = (read.graph, from, when, read.access.label, read.material);
+        if let Some((from, delay)) = source(&course, read) {
+            let key = (read.graph, from, delay, read.access.label, read.material);
             passes.entry(key).or_default().push(read.task);
         }
     }
-    let pass = |((to, from, when, label, material), mut readers): (_, Vec<NodeIndex>)| {
+    let pass = |((to, from, delay, label, material), mut readers): (_, Vec<NodeIndex>)| {
         readers.dedup();
         let writers = last_writers(course.graphs[from], label, material);
         let material = (label.home() != Home::Run).then_some(material);
-        Pass { from, to, when, label, material, writers, readers }
+        Pass { from, to, delay, label, material, writers, readers }
     };
     passes.into_iter().map(pass).collect()
 }
 
-/// The graph that a read takes its label from, and when.
-fn source(course: &Course<'_>, read: &Read) -> Option<(usize, When)> {
+/// The graph that a read has its label from, and when.
+fn source(course: &Course<'_>, read: &LabelRead) -> Option<(usize, Delay)> {
     match read.from {
-        Some(left) if left.graph < read.graph => Some((left.graph, When::Onward)),
-        Some(left) => Some((left.graph, When::NextRound)),
+        Some(left) if left.graph < read.graph => Some((left.graph, Delay::Onward)),
+        Some(left) => Some((left.graph, Delay::NextRound)),
         None if read.access.label.life() < Life::Carried => None,
-        None => course.left.get(&(read.access.label, read.material)).map(|left| (left.graph, When::NextStep)),
+        None => {
+            course.written.get(&(read.access.label, read.material)).map(|left| (left.graph, Delay::NextStep))
+        }
     }
 }
 

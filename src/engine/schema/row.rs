@@ -33,6 +33,13 @@ pub enum Combine {
     First,
 }
 
+impl Combine {
+    /// Whether a part that comes twice counts twice.
+    pub fn is_sum(self) -> bool {
+        matches!(self, Self::Sum | Self::Exact)
+    }
+}
+
 /// How long a label lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Life {

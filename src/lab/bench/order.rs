@@ -27,7 +27,7 @@ const REPEAT: usize = 7;
 pub fn order(simulation: &mut Simulation) -> Order {
     let (count, isa) = (simulation.warehouse.particle_count() as f64, simulation.isa());
     let (graph, warehouse) = (simulation.program.main_graph(), &mut simulation.warehouse);
-    if warehouse.stale {
+    if warehouse.reactivate {
         warehouse.activate();
     }
     let (slabs, materials) = (wave::slabs(warehouse, 1), warehouse.materials.len());

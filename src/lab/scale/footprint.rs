@@ -143,7 +143,7 @@ impl Footprint {
         let homes: Vec<usize> = nodes.iter().map(|block| rank_of(block.index)).collect();
         // on the one patch
         let around = |block: &ParticleBlock| {
-            let there = block.around.clone().into_iter().filter(|place| *place != NOWHERE);
+            let there = block.around.into_iter().filter(|place| *place != NOWHERE);
             there.map(|(_, at)| at as usize)
         };
         let mut waits = vec![false; nodes.len()];

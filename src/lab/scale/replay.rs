@@ -33,7 +33,7 @@ enum Doing {
     /// Has messages of an exchange to send; `None`: travelers.
     Sends(Option<usize>),
     /// Needs those of others.
-    Takes(Option<usize>),
+    Receives(Option<usize>),
     /// A reduction, by number of the act.
     Reduces(usize),
     /// All steps are done.
@@ -190,7 +190,7 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
     fn advance(&mut self, rank: usize) -> ControlFlow<()> {
         match self.states[rank].doing {
             Doing::Next => self.next(rank),
-            Doing::Takes(exchange) => self.take(rank, exchange),
+            Doing::Receives(exchange) => self.take(rank, exchange),
             Doing::Reduces(act) => self.reduce(rank, act),
             Doing::Sends(_) => {
                 self.post(rank, false);
@@ -250,13 +250,13 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
                 self.turn_to(rank, Doing::Sends(Some(exchange)))
             }
             Op::Expect(_) => Continue(()),
-            Op::Unpack(exchange) => self.turn_to(rank, Doing::Takes(Some(exchange))),
+            Op::Unpack(exchange) => self.turn_to(rank, Doing::Receives(Some(exchange))),
             Op::SendTravelers => {
                 let ns = self.ranks.load(rank, kind).relocate;
                 self.spend(rank, ENGINE, Cause::Engine, 1e-9 * ns);
                 self.turn_to(rank, Doing::Sends(None))
             }
-            Op::ReceiveTravelers => self.turn_to(rank, Doing::Takes(None)),
+            Op::ReceiveTravelers => self.turn_to(rank, Doing::Receives(None)),
             Op::Reduce(phase) => self.begin_reduction(rank, tick.reduced[phase], false),
             Op::ReduceAtEnd => {
                 let bytes = tick.reduced.last().copied().unwrap_or_default();
@@ -350,7 +350,7 @@ impl<'a, R: Ranks + ?Sized, W: FnMut(usize, Op)> Replay<'a, R, W> {
                 return Break(());
             }
             Some(Act::Merge(from)) => (from, self.setup.costs.merge),
-            Some(Act::Take(from)) => (from, 0.0),
+            Some(Act::Receive(from)) => (from, 0.0),
         };
         let topic = Topic::Reduction(self.states[rank].reductions, from as u32);
         self.receive(rank, topic, 1, REDUCTION)?;

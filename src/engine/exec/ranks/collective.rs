@@ -11,7 +11,7 @@ pub enum Act {
     /// Receives what another rank has, and merges it.
     Merge(usize),
     /// Receives the result.
-    Take(usize),
+    Receive(usize),
 }
 
 /// The acts of a rank in a reduction, by number, in order; `None`: it is done. Recursive doubling; R. Thakur, R. Rabenseifner,
@@ -20,7 +20,7 @@ pub fn act(rank: usize, size: usize, number: usize) -> Option<Act> {
     let whole = 1usize << size.ilog2();
     let rounds = 2 * whole.ilog2() as usize;
     if rank >= whole {
-        return [Act::Send(rank - whole), Act::Take(rank - whole)].get(number).copied();
+        return [Act::Send(rank - whole), Act::Receive(rank - whole)].get(number).copied();
     }
     let partner = Some(rank + whole).filter(|&partner| partner < size);
     let number = match (partner, number) {
@@ -62,7 +62,7 @@ pub fn reduce(
                 merge(message, &part);
                 network.give_back(part);
             }
-            Act::Take(from) => *message = network.receive(from, Channel::Reduction)?,
+            Act::Receive(from) => *message = network.receive(from, Channel::Reduction)?,
         }
     }
     Ok(())
@@ -192,7 +192,7 @@ mod tests {
                 for act in acts(rank, size) {
                     match act {
                         Act::Send(to) => sent.push((rank, to)),
-                        Act::Merge(from) | Act::Take(from) => received.push((from, rank)),
+                        Act::Merge(from) | Act::Receive(from) => received.push((from, rank)),
                     }
                 }
             }

@@ -6,7 +6,7 @@ use grid::{BlockIndex, Decomposition, IndexBox, Partition};
 
 /// Another rank in sight, and its patches that are.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Beside {
+pub struct Neighbor {
     /// The rank.
     pub rank: usize,
     /// The blocks of its patches that are in sight of this rank's.
@@ -14,8 +14,8 @@ pub struct Beside {
 }
 
 /// The ranks that have blocks in sight of this one's, ascending.
-pub fn beside(decomposition: &Decomposition, partition: &Partition) -> Vec<Beside> {
-    let mut ranks: Vec<Beside> = Vec::new();
+pub fn neighbors(decomposition: &Decomposition, partition: &Partition) -> Vec<Neighbor> {
+    let mut ranks: Vec<Neighbor> = Vec::new();
     let mine: Vec<IndexBox> =
         partition.mine().map(|patch| decomposition.patches[patch].blocks.grown(FARTHEST)).collect();
     for patch in decomposition.patches.iter().filter(|patch| !partition.is_mine(patch.id)) {
@@ -23,25 +23,25 @@ pub fn beside(decomposition: &Decomposition, partition: &Partition) -> Vec<Besid
             let rank = partition.rank_of(patch.id);
             match ranks.iter_mut().find(|known| known.rank == rank) {
                 Some(known) => known.patches.push(patch.blocks),
-                None => ranks.push(Beside { rank, patches: vec![patch.blocks] }),
+                None => ranks.push(Neighbor { rank, patches: vec![patch.blocks] }),
             }
         }
     }
-    ranks.sort_by_key(|beside| beside.rank);
+    ranks.sort_by_key(|neighbor| neighbor.rank);
     ranks
 }
 
-/// Tells the ranks `beside` which blocks here are occupied in their sight, and hears the same from them.
+/// Tells the ranks `neighbors` which blocks here are occupied in their sight, and hears the same from them.
 ///
 /// # Errors
 /// If one of them is gone.
 pub fn tell(
     network: &mut dyn Network,
     warehouse: &mut Warehouse,
-    beside: &[Beside],
+    neighbors: &[Neighbor],
 ) -> Result<(), NetworkError> {
     let sight = warehouse.sight();
-    for Beside { rank, patches } in beside {
+    for Neighbor { rank, patches } in neighbors {
         let boxes: Vec<IndexBox> = patches.iter().map(|patch| patch.grown(sight)).collect();
         let occupied = warehouse.blocks().filter(|(_, block)| block.count > 0);
         let seen = occupied.filter(|(_, block)| boxes.iter().any(|seen| seen.contains(block.index)));
@@ -49,7 +49,7 @@ pub fn tell(
         network.send(*rank, Channel::Occupied, pack(&words));
     }
     let mut occupied = Vec::new();
-    for Beside { rank, .. } in beside {
+    for Neighbor { rank, .. } in neighbors {
         let message = network.receive(*rank, Channel::Occupied)?;
         occupied.extend(unpack(&message).as_chunks().0.iter().map(decode));
     }

@@ -1,22 +1,22 @@
 //! What passes between graphs, from item to item.
 use super::Chart;
 use crate::lab::diagram::{Diagram, Item, Kind};
-use engine::program::{Pass, When};
+use engine::program::{Delay, Pass};
 use engine::schema::LabelId;
 use petgraph::stable_graph::NodeIndex;
 use std::collections::BTreeMap;
 
 /// Ids of two items, and when what leaves the first one is read.
-pub(super) type Ends<'a> = (&'a str, &'a str, When);
+pub(super) type Ends<'a> = (&'a str, &'a str, Delay);
 
 impl Chart<'_> {
     /// Labels that pass from item to item within a step; expanded, those that stay on a patch or rank, and through halos.
     pub(super) fn arrows(&self) -> BTreeMap<Ends<'_>, Vec<LabelId>> {
         let mut arrows: BTreeMap<Ends<'_>, Vec<LabelId>> = BTreeMap::new();
-        for pass in self.passes.iter().filter(|pass| pass.when != When::NextStep) {
+        for pass in self.passes.iter().filter(|pass| pass.delay != Delay::NextStep) {
             for source in self.sources(pass) {
                 for target in self.targets(pass).filter(|target| meet(source, target)) {
-                    let labels = arrows.entry((&source.id, &target.id, pass.when)).or_default();
+                    let labels = arrows.entry((&source.id, &target.id, pass.delay)).or_default();
                     if !labels.contains(&pass.label) {
                         labels.push(pass.label);
                     }

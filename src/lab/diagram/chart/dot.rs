@@ -1,7 +1,7 @@
 //! A program for Graphviz.
 use super::Chart;
 use engine::graph::traffic::names;
-use engine::program::{Node, When};
+use engine::program::{Delay, ProgramNode};
 use std::fmt::Write;
 
 impl Chart<'_> {
@@ -14,30 +14,30 @@ impl Chart<'_> {
         );
         self.dot_nodes(&self.program.nodes, (&mut 0, &mut 0), &mut out);
         self.diagrams.iter().for_each(|diagram| diagram.dot_links(&mut out));
-        for ((from, to, when), labels) in self.arrows() {
-            let back = if when == When::NextRound { ", style=dashed, constraint=false" } else { "" };
+        for ((from, to, delay), labels) in self.arrows() {
+            let back = if delay == Delay::NextRound { ", style=dashed, constraint=false" } else { "" };
             let labels = names(&labels).replace(", ", "\\n");
             let _ = writeln!(
                 out,
                 "  {from} -> {to} [label=\"{labels}\", tooltip=\"{}\", color=\"#3b5b8c\"{back}];",
-                when.name()
+                delay.name()
             );
         }
         out.push_str("}\n");
         out
     }
 
-    fn dot_nodes(&self, nodes: &[Node], (graph, round): (&mut usize, &mut usize), out: &mut String) {
+    fn dot_nodes(&self, nodes: &[ProgramNode], (graph, round): (&mut usize, &mut usize), out: &mut String) {
         for node in nodes {
             match node {
-                Node::Graph(it) if self.several() => {
+                ProgramNode::Graph(it) if self.several() => {
                     let _ = writeln!(out, "  subgraph cluster_graph{graph} {{ label=\"graph {}\";", it.name);
                     self.diagrams[*graph].dot_groups(out);
                     out.push_str("  }\n");
                     *graph += 1;
                 }
-                Node::Graph(_) => self.diagrams[*graph].dot_groups(out),
-                Node::Loop(it) => {
+                ProgramNode::Graph(_) => self.diagrams[*graph].dot_groups(out),
+                ProgramNode::Loop(it) => {
                     let title = it.title();
                     let _ = writeln!(
                         out,

@@ -1,6 +1,6 @@
 //! What passes between two graphs, in one piece.
 use super::Chart;
-use engine::program::When;
+use engine::program::Delay;
 use engine::schema::LabelId;
 
 /// All labels that pass from one graph to another at one time.
@@ -10,8 +10,8 @@ pub(super) struct Flow {
     pub(super) from: usize,
     /// The graph that reads them.
     pub(super) to: usize,
-    /// When.
-    pub(super) when: When,
+    /// Delay.
+    pub(super) delay: Delay,
     /// The labels.
     pub(super) labels: Vec<LabelId>,
     /// The passes, by number.
@@ -25,11 +25,11 @@ impl Chart<'_> {
     pub(super) fn flows(&self) -> Vec<Flow> {
         let mut flows: Vec<Flow> = Vec::new();
         for (number, pass) in self.passes.iter().enumerate() {
-            let (from, to, when) = (pass.from, pass.to, pass.when);
-            let known = flows.iter().position(|flow| (flow.from, flow.to, flow.when) == (from, to, when));
+            let (from, to, delay) = (pass.from, pass.to, pass.delay);
+            let known = flows.iter().position(|flow| (flow.from, flow.to, flow.delay) == (from, to, delay));
             let at = known.unwrap_or_else(|| {
                 let (labels, passes, home) = (Vec::new(), Vec::new(), self.home(from, to));
-                flows.push(Flow { from, to, when, labels, passes, home });
+                flows.push(Flow { from, to, delay, labels, passes, home });
                 flows.len() - 1
             });
             flows[at].passes.push(number);

@@ -1,6 +1,6 @@
 //! A program as JSON.
 use super::Chart;
-use engine::program::{Node, Pass};
+use engine::program::{Pass, ProgramNode};
 use serde_json::{Value, json};
 
 impl Chart<'_> {
@@ -30,22 +30,22 @@ impl Chart<'_> {
             nodes.iter().map(|node| node.index()).collect()
         };
         json!({
-            "from": pass.from, "to": pass.to, "when": pass.when.name(), "label": pass.label.name(),
+            "from": pass.from, "to": pass.to, "when": pass.delay.name(), "label": pass.label.name(),
             "unit": pass.label.unit(), "material": pass.material.map(|m| &materials[m]),
             "writers": ids(&pass.writers), "readers": ids(&pass.readers),
         })
     }
 }
 
-fn tree(nodes: &[Node], next: &mut usize) -> Vec<Value> {
+fn tree(nodes: &[ProgramNode], next: &mut usize) -> Vec<Value> {
     let mut list = Vec::new();
     for node in nodes {
         list.push(match node {
-            Node::Graph(graph) => {
+            ProgramNode::Graph(graph) => {
                 *next += 1;
                 json!({ "kind": "graph", "name": graph.name, "graph": *next - 1 })
             }
-            Node::Loop(it) => {
+            ProgramNode::Loop(it) => {
                 let most = (it.most < u64::MAX).then_some(it.most);
                 json!({ "kind": "loop", "until": it.until.name(), "most": most, "body": tree(&it.body, next) })
             }

@@ -13,7 +13,7 @@ use super::{Diagram, Item, Runs};
 use crate::output::trace::measured::Measured;
 use crate::simulation::rates::Cycle;
 use engine::graph::traffic::Traffic;
-use engine::program::{Node, Pass, Program, passes};
+use engine::program::{Pass, Program, ProgramNode, passes};
 
 /// A program with a diagram of each of its graphs.
 pub struct Chart<'a> {
@@ -77,11 +77,11 @@ impl<'a> Chart<'a> {
 }
 
 /// The loops around each graph.
-fn surround(nodes: &[Node], path: &mut Vec<usize>, next: &mut usize, around: &mut Vec<Vec<usize>>) {
+fn surround(nodes: &[ProgramNode], path: &mut Vec<usize>, next: &mut usize, around: &mut Vec<Vec<usize>>) {
     for node in nodes {
         match node {
-            Node::Graph(_) => around.push(path.clone()),
-            Node::Loop(it) => {
+            ProgramNode::Graph(_) => around.push(path.clone()),
+            ProgramNode::Loop(it) => {
                 path.push(*next);
                 *next += 1;
                 surround(&it.body, path, next, around);

@@ -4,7 +4,7 @@ use super::Chart;
 use super::flows::Flow;
 use crate::lab::diagram::layout::{Layout, Rect};
 use engine::graph::traffic::names;
-use engine::program::{Node, When};
+use engine::program::{Delay, ProgramNode};
 
 /// Around boxes, and between them.
 const MARGIN: f64 = 12.0;
@@ -79,7 +79,7 @@ struct Placer<'a, 'b> {
 
 impl Placer<'_, '_> {
     fn shown(&self) -> impl Iterator<Item = (usize, &Flow)> {
-        self.flows.iter().enumerate().filter(|(_, flow)| flow.when != When::NextStep)
+        self.flows.iter().enumerate().filter(|(_, flow)| flow.delay != Delay::NextStep)
     }
 
     /// Flows that have their track in a loop.
@@ -88,14 +88,14 @@ impl Placer<'_, '_> {
     }
 
     /// Places some parts of a loop, one below another; returns width and height with the margin around.
-    fn nodes(&mut self, nodes: &[Node], (x, y): (f64, f64), home: Option<usize>) -> (f64, f64) {
+    fn nodes(&mut self, nodes: &[ProgramNode], (x, y): (f64, f64), home: Option<usize>) -> (f64, f64) {
         let left = x + MARGIN + TRACK * self.at_home(home).len() as f64;
         self.margins.push((home, x));
         let (mut width, mut below): (f64, f64) = (LEAST, y + MARGIN);
         for node in nodes {
             let (w, h) = match node {
-                Node::Graph(_) => self.graph((left, below)),
-                Node::Loop(it) => {
+                ProgramNode::Graph(_) => self.graph((left, below)),
+                ProgramNode::Loop(it) => {
                     let number = self.sheet.frames.len();
                     let caption = it.title();
                     self.sheet.frames.push(Frame { rect: Rect::default(), caption, round: true });
@@ -135,9 +135,9 @@ impl Placer<'_, '_> {
     /// What a flow brings, in lines that fit a width.
     fn head(&self, flow: &Flow, width: f64) -> Vec<String> {
         let from = self.chart.name(flow.from);
-        let of = match (flow.when, self.chart.several()) {
-            (When::NextRound, true) => format!("from {from}, the round before:"),
-            (When::NextRound, false) => "from the round before:".to_owned(),
+        let of = match (flow.delay, self.chart.several()) {
+            (Delay::NextRound, true) => format!("from {from}, the round before:"),
+            (Delay::NextRound, false) => "from the round before:".to_owned(),
             _ => format!("from {from}:"),
         };
         let most = ((width - 30.0) / LETTER) as usize;

@@ -4,7 +4,7 @@ use super::flows::Flow;
 use super::place::{Frame, Track, place};
 use crate::lab::diagram::layout::{Layout, layout};
 use crate::lab::diagram::svg::{STYLE, attributes, corners, escape, legend};
-use engine::program::When;
+use engine::program::Delay;
 use std::fmt::Write;
 
 /// Room below the picture for what lines mean.
@@ -50,14 +50,14 @@ markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0
     }
 
     fn draw_track(&self, track: &Track, flow: &Flow, prefix: &str, out: &mut String) {
-        let class = if flow.when == When::NextRound { "pass again" } else { "pass" };
+        let class = if flow.delay == Delay::NextRound { "pass again" } else { "pass" };
         let numbers: Vec<String> = flow.passes.iter().map(ToString::to_string).collect();
         let (from, to) = (self.name(flow.from), self.name(flow.to));
         let _ = write!(
             out,
             "<g class=\"{class}\" data-passes=\"{}\"><title>{}</title><path d=\"{}\" marker-end=\"url(#{prefix}tip)\"/>",
             numbers.join(" "),
-            escape(&format!("{from} to {to}, {}", flow.when.name())),
+            escape(&format!("{from} to {to}, {}", flow.delay.name())),
             corners(&track.points)
         );
         let (x, y, lines) = &track.text;

@@ -1,7 +1,7 @@
 //! A program in lines: its outline, then each graph.
 use super::Chart;
 use engine::graph::traffic::names;
-use engine::program::When;
+use engine::program::Delay;
 use std::fmt::Write;
 
 impl Chart<'_> {
@@ -23,10 +23,10 @@ impl Chart<'_> {
     fn taken(&self, graph: usize, out: &mut String) {
         for flow in self.flows().iter().filter(|flow| flow.to == graph) {
             let from = self.name(flow.from);
-            let of = match flow.when {
-                When::Onward => format!("graph {from}"),
-                When::NextRound => format!("graph {from} in the round before"),
-                When::NextStep => format!("graph {from} in the step before"),
+            let of = match flow.delay {
+                Delay::Onward => format!("graph {from}"),
+                Delay::NextRound => format!("graph {from} in the round before"),
+                Delay::NextStep => format!("graph {from} in the step before"),
             };
             let _ = writeln!(out, "takes from {of}: {}", names(&flow.labels));
         }

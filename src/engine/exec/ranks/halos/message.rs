@@ -33,7 +33,7 @@ pub struct Header {
 impl Header {
     pub fn of(block: &ParticleBlock, material: usize, exchange: &Exchange, context: &Context<'_>) -> Self {
         let has = |label: LabelId| {
-            exchange.givers.contains(&(label, material))
+            exchange.adders.contains(label, material)
                 && context
                     .node_layout
                     .partial_place(label)

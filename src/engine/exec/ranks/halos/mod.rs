@@ -8,7 +8,7 @@ mod adder;
 mod message;
 mod read;
 
-use super::occupied::Beside;
+use super::occupied::Neighbor;
 use super::{Channel, Network, NetworkError};
 use crate::data::particles::ParticleBlock;
 use crate::data::warehouse::{NodePatch, ParticlePatch, Warehouse};
@@ -16,26 +16,24 @@ use crate::exec::stage::Context;
 use crate::graph::exchange::{Exchange, Way};
 use adder::{Adder, adders};
 use message::{Header, Reader, columns, width};
-use read::{Read, read, rows};
+use read::{NodesRead, read, rows};
 use simd::Wide;
 
 /// What passes between this rank and another.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct Neighbor {
+struct Halo {
     rank: usize,
     /// Blocks here that add to nodes there, and the nodes there that they read.
     adders_here: Vec<Adder>,
-    read_there: Vec<Read>,
+    read_there: Vec<NodesRead>,
     /// Blocks there that add to nodes here, and the nodes here that they read.
     adders_there: Vec<Adder>,
-    read_here: Vec<Read>,
+    read_here: Vec<NodesRead>,
 }
 
 /// The neighbors of a rank.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Halos {
-    neighbors: Vec<Neighbor>,
-}
+pub struct Halos(Vec<Halo>);
 
 /// The partial sums of a block on their way into a message.
 pub struct Outgoing<'a> {
@@ -75,19 +73,19 @@ type To<'a, 'n> = (&'a mut (dyn Network + 'n), Channel);
 type From<'a> = (usize, Channel, &'a [Wide]);
 
 impl Halos {
-    /// What passes between this rank and those `beside`, for the blocks that are active now.
-    pub fn new(warehouse: &Warehouse, beside: &[Beside]) -> Self {
+    /// What passes between this rank and its neighbors, for the blocks that are active now.
+    pub fn new(warehouse: &Warehouse, neighbors: &[Neighbor]) -> Self {
         let partition = &warehouse.partition;
-        let neighbors = beside.iter().map(|beside| {
-            let rank = beside.rank;
+        let halo = |neighbor: &Neighbor| {
+            let rank = neighbor.rank;
             let (mine, theirs) = (|patch| partition.is_mine(patch), |patch| partition.rank_of(patch) == rank);
             let (adders_here, adders_there) =
                 (adders(warehouse, mine, theirs), adders(warehouse, theirs, mine));
             let (read_there, read_here) = (read(warehouse, &adders_here), read(warehouse, &adders_there));
-            Neighbor { rank, adders_here, read_there, adders_there, read_here }
-        });
-        let some = |it: &Neighbor| !it.adders_here.is_empty() || !it.adders_there.is_empty();
-        Self { neighbors: neighbors.filter(some).collect() }
+            Halo { rank, adders_here, read_there, adders_there, read_here }
+        };
+        let some = |it: &Halo| !it.adders_here.is_empty() || !it.adders_there.is_empty();
+        Self(neighbors.iter().map(halo).filter(some).collect())
     }
 
     /// The ranks that send something in this tick, and how many lines at most.
@@ -97,7 +95,7 @@ impl Halos {
         context: &Context<'_>,
     ) -> impl Iterator<Item = (usize, usize)> {
         let schedule = context.schedule;
-        let most = move |it: &Neighbor| -> usize {
+        let most = move |it: &Halo| -> usize {
             match exchange.way {
                 Way::Partials => {
                     let adders = it.adders_there.iter().filter(|adder| schedule.begins(adder.material));
@@ -110,7 +108,7 @@ impl Halos {
                 }
             }
         };
-        self.neighbors.iter().map(move |it| (it.rank, most(it))).filter(|(_, most)| *most > 0)
+        self.0.iter().map(move |it| (it.rank, most(it))).filter(|(_, most)| *most > 0)
     }
 
     /// Sends what the materials that begin a step have added to nodes of others, packed by all workers; returns messages
@@ -124,8 +122,8 @@ impl Halos {
         pack: impl Fn(&mut [Outgoing<'_>]),
     ) -> [usize; 2] {
         let mut sent = [0; 2];
-        for neighbor in &self.neighbors {
-            let adders = neighbor.adders_here.iter().filter(|adder| context.schedule.begins(adder.material));
+        for halo in &self.0 {
+            let adders = halo.adders_here.iter().filter(|adder| context.schedule.begins(adder.material));
             let sizes: Vec<(&Adder, usize)> =
                 adders.map(|adder| (adder, adder.size(exchange, context, particles))).collect();
             if sizes.is_empty() {
@@ -141,7 +139,7 @@ impl Halos {
             let mut pieces: Vec<Outgoing<'_>> = sizes.into_iter().map(piece).collect();
             pack(&mut pieces);
             sent = [sent[0] + 1, sent[1] + message.len()];
-            network.send(neighbor.rank, channel, message);
+            network.send(halo.rank, channel, message);
         }
         sent
     }
@@ -158,8 +156,8 @@ impl Halos {
         (particles, unpack): (&mut [Vec<ParticlePatch>], impl Fn(&mut [Incoming<'_>])),
     ) -> Result<(), NetworkError> {
         let mut reader = Reader { message, at: 0 };
-        let neighbor = self.neighbors.iter().find(|it| it.rank == rank);
-        let adders = neighbor.map_or(&[][..], |it| &it.adders_there);
+        let halo = self.0.iter().find(|it| it.rank == rank);
+        let adders = halo.map_or(&[][..], |it| &it.adders_there);
         let mut adders = adders.iter().filter(|it| context.schedule.begins(it.material)).peekable();
         let mut pieces = Vec::new();
         for (patch, homes) in particles.iter_mut().enumerate() {
@@ -193,18 +191,18 @@ impl Halos {
         (particles, nodes): (&[Vec<ParticlePatch>], &[NodePatch]),
     ) -> [usize; 2] {
         let mut sent = [0; 2];
-        for neighbor in &self.neighbors {
-            let ends = |read: &&Read| context.schedule.ends(read.material);
-            let most = neighbor.read_here.iter().filter(ends);
+        for halo in &self.0 {
+            let ends = |read: &&NodesRead| context.schedule.ends(read.material);
+            let most = halo.read_here.iter().filter(ends);
             let most =
                 most.map(|it| context.shape.node_count() * width(exchange, context, it.material)).sum();
             if most == 0 {
                 continue;
             }
             let mut message = network.memory(most);
-            for read in neighbor.read_here.iter().filter(ends) {
+            for read in halo.read_here.iter().filter(ends) {
                 let block = &nodes[read.place.0].blocks[read.place.1];
-                let nodes = read.nodes(&context.shape, &neighbor.adders_there, particles, exchange.whole);
+                let nodes = read.nodes(&context.shape, &halo.adders_there, particles, exchange.whole);
                 for (label, field) in columns(exchange, context, read.material) {
                     let values = block.lines(context.node_layout, label, field).unwrap_or_default();
                     rows(&context.shape, &nodes, label.width())
@@ -213,7 +211,7 @@ impl Halos {
                 }
             }
             sent = [sent[0] + 1, sent[1] + message.len()];
-            network.send(neighbor.rank, channel, message);
+            network.send(halo.rank, channel, message);
         }
         sent
     }
@@ -230,9 +228,9 @@ impl Halos {
         (particles, nodes): (&[Vec<ParticlePatch>], &mut [NodePatch]),
     ) -> Result<(), NetworkError> {
         let mut reader = Reader { message, at: 0 };
-        for neighbor in self.neighbors.iter().filter(|it| it.rank == rank) {
-            for read in neighbor.read_there.iter().filter(|read| context.schedule.ends(read.material)) {
-                let touched = read.nodes(&context.shape, &neighbor.adders_here, particles, exchange.whole);
+        for halo in self.0.iter().filter(|it| it.rank == rank) {
+            for read in halo.read_there.iter().filter(|read| context.schedule.ends(read.material)) {
+                let touched = read.nodes(&context.shape, &halo.adders_here, particles, exchange.whole);
                 let block = &mut nodes[read.place.0].blocks[read.place.1];
                 for (label, field) in columns(exchange, context, read.material) {
                     let values = block.lines_mut(context.node_layout, label, field).unwrap_or_default();

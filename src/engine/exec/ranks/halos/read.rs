@@ -7,7 +7,7 @@ use std::ops::Range;
 
 /// A node block that particles of another rank read.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Read {
+pub struct NodesRead {
     pub material: usize,
     /// Patch and position.
     pub place: (usize, usize),
@@ -16,7 +16,7 @@ pub struct Read {
 }
 
 /// The node blocks that `adders` add to, and read in turn; in an order that both sides know.
-pub fn read(warehouse: &Warehouse, adders: &[Adder]) -> Vec<Read> {
+pub fn read(warehouse: &Warehouse, adders: &[Adder]) -> Vec<NodesRead> {
     let mut read: Vec<(usize, (u32, u32), usize, usize)> = Vec::new();
     for (reader, adder) in adders.iter().enumerate() {
         let block = adder.block(&warehouse.particles);
@@ -24,7 +24,7 @@ pub fn read(warehouse: &Warehouse, adders: &[Adder]) -> Vec<Read> {
     }
     read.sort_unstable();
     let same_nodes = |a: &(usize, (u32, u32), _, _), b: &(usize, (u32, u32), _, _)| (a.0, a.1) == (b.0, b.1);
-    let read = read.chunk_by(same_nodes).map(|readers| Read {
+    let read = read.chunk_by(same_nodes).map(|readers| NodesRead {
         material: readers[0].0,
         place: (readers[0].1.0 as usize, readers[0].1.1 as usize),
         readers: readers.iter().map(|&(_, _, reader, q)| (reader, q)).collect(),
@@ -32,7 +32,7 @@ pub fn read(warehouse: &Warehouse, adders: &[Adder]) -> Vec<Read> {
     read.collect()
 }
 
-impl Read {
+impl NodesRead {
     /// The nodes that are read, from the block's first one on; all that may be, if nobody knows which.
     pub fn nodes(
         &self,
