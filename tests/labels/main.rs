@@ -3,6 +3,7 @@
 //! without the engine.
 mod again;
 mod checkpoint;
+mod conducted;
 mod crowd;
 mod layouts;
 mod many;

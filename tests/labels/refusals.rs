@@ -243,5 +243,5 @@ fn rows_that_make_no_sense_do_not_compile() {
     row(particle("1", "gone").lives(Life::Step), 1, "are carried");
     row(chunk("1", "kept").lives(Life::Tick), 1, "a chunk label lives in a chunk");
     row(node("1", "whose").by_material(), 1, "materials decide about particles");
-    row(node("1", "no lines"), 0, "a number of cache lines");
+    row(node("1", "no lines"), 0, "a number of lines");
 }

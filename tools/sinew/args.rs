@@ -18,7 +18,7 @@ pub struct Changes {
     /// Threads (default: all cores)
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
-    /// Patches along x, y and z, for example 2x1x2 (default: eight a thread)
+    /// Patches along x, y and z, for example 2x1x2 (a run cuts eight a thread by itself)
     #[arg(long, value_name = "AxBxC")]
     pub patches: Option<String>,
     /// Stop after N steps

@@ -40,7 +40,7 @@ pub struct Args {
     /// Output form
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Ranks that share the patches (default: eight patches a rank, as a run with one thread each)
+    /// Ranks that share the patches: one patch for one rank, eight a rank for several, if --patches does not say
     #[arg(long, value_name = "N", default_value_t = 1)]
     ranks: usize,
     /// One node a task and patch, instead of one a task
@@ -80,8 +80,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if args.check {
         return check(&scene, patches, &plan.decomposition);
     }
-    outside("patch", args.patch, patches)?;
-    outside("rank", args.rank, args.ranks)?;
+    outside(["patch", "patches"], args.patch, patches)?;
+    outside(["rank", "ranks"], args.rank, args.ranks)?;
     let measured = args.trace.as_deref().map(trace::read).transpose().map_err(Failure::usage)?;
     if args.format == Format::Html {
         // the page is for people: they want the line
@@ -94,10 +94,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// Refuses a patch or rank that does not exist.
-fn outside(what: &str, wanted: Option<usize>, count: usize) -> Result<(), Failure> {
+fn outside([one, many]: [&str; 2], wanted: Option<usize>, count: usize) -> Result<(), Failure> {
     match wanted {
         Some(number) if number >= count => {
-            Err(Failure::usage(format!("there is no {what} {number}: there are {what}s 0 to {}", count - 1)))
+            Err(Failure::usage(format!("there is no {one} {number}: there are {many} 0 to {}", count - 1)))
         }
         _ => Ok(()),
     }

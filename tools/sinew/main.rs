@@ -18,6 +18,7 @@ mod wound;
 
 use clap::{Parser, Subcommand};
 use engine::exec::ranks::launch::Launch;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 /// Coupled solids by the material point method: tissue that fails, metal that yields, rigid tools.
@@ -68,6 +69,7 @@ fn main() -> ExitCode {
         .with_env_filter(filter)
         .with_span_events(spans)
         .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
         .init();
     let command = match Cli::try_parse() {
         Ok(cli) => cli.command,

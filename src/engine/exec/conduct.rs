@@ -11,6 +11,7 @@ use crate::data::shared::Shared;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::graph::build::TaskGraph;
 use crate::program::{Loop, Program, ProgramNode};
+use crate::schema::Home;
 
 /// What an application decides while a program runs.
 pub trait Conductor {
@@ -56,12 +57,12 @@ pub trait Conductor {
     }
 }
 
-/// Lets everything happen, but a loop that does not end as its label says.
+/// Lets everything happen, but a loop that does not end as its label says, and particles that leave the level.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Undirected;
 
 /// Why a program that nobody conducts stopped.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Stopped {
     /// Ranks that cannot go on together.
     #[error("{0}")]
@@ -74,10 +75,36 @@ pub enum Stopped {
         /// How many rounds.
         rounds: u64,
     },
+    /// Particles outside of the level.
+    #[error(
+        "{count} particles left the level, the first, {identity}, of {material} at {position:?}: a `Conductor` may put them back or let them go"
+    )]
+    Left {
+        /// How many.
+        count: usize,
+        /// The first of them.
+        identity: u64,
+        /// Its material.
+        material: String,
+        /// Where it is [m].
+        position: [f64; 3],
+    },
 }
 
 impl Conductor for Undirected {
     type Error = Stopped;
+
+    fn ran(
+        &mut self,
+        _graph: &TaskGraph,
+        warehouse: &Warehouse,
+        relocation: &Relocation,
+    ) -> Result<(), Stopped> {
+        let left = relocation.left();
+        let Some(&Traveler { identity, material, position, .. }) = left.first() else { return Ok(()) };
+        let material = warehouse.materials[material].name.clone();
+        Err(Stopped::Left { count: left.len(), identity, material, position })
+    }
 
     fn looped(
         &mut self,
@@ -95,6 +122,9 @@ impl Engine {
     ///
     /// # Errors
     /// What the conductor says, or a rank that is gone.
+    ///
+    /// # Panics
+    /// If a material of the warehouse lacks a label that its tasks use.
     pub fn execute<C: Conductor>(
         &mut self,
         program: &Program,
@@ -139,6 +169,7 @@ impl Engine {
         network: &mut dyn Network,
         conductor: &mut C,
     ) -> Result<(), C::Error> {
+        has_labels(graph, warehouse);
         self.run(graph, warehouse, network)?;
         if order::end(graph) == [Op::ReduceAtEnd] {
             self.reduce(None, &graph.at_end, &mut warehouse.shared, network)?;
@@ -153,5 +184,23 @@ impl Engine {
         self.metered(What::Relocation, || relocation.carry_out(warehouse));
         self.backend.upload(Purpose::Relocation, &mut Blocks::of(warehouse));
         Ok(())
+    }
+}
+
+/// Materials have what their tasks use: their blocks were laid out by somebody who may not know the program.
+fn has_labels(graph: &TaskGraph, warehouse: &Warehouse) {
+    for stage in graph.phases.iter().flat_map(|phase| &phase.stages) {
+        let Some(material) = stage.material.map(|material| &warehouse.materials[material]) else { continue };
+        let labels = stage.touched.iter().map(|access| access.label);
+        for label in labels.filter(|label| label.home() == Home::Particle && !label.by_material()) {
+            assert!(
+                material.layout.width(label) > 0,
+                "material {} has no {}, which a task of graph {:?} uses: give it to `MaterialData::new`; \
+                 `Program::particle_labels` says which there are",
+                material.name,
+                label.name(),
+                graph.name
+            );
+        }
     }
 }

@@ -124,6 +124,16 @@ pub enum GraphError {
         /// Who has read it.
         reader: String,
     },
+    /// A task moves particles, and their blocks do not hear of it.
+    #[error("{task} changes {} and does not compute {}, so that nobody would see who leaves a block: compute it too, widened by each position (`data::extent::Bases`)", position.name(), extent.name())]
+    MovesUnseen {
+        /// The task.
+        task: String,
+        /// Where particles are.
+        position: LabelId,
+        /// How far those of a block reach.
+        extent: LabelId,
+    },
     /// A loop waits for a label that is not the same everywhere.
     #[error("a loop waits for {}, which is no label of the run: let a task that runs once compute one", label.name())]
     UntilWhat {
@@ -131,7 +141,7 @@ pub enum GraphError {
         label: LabelId,
     },
     /// A declaration asks for more ghost layers than are stored.
-    #[error("{task} declares {} with {asked} ghost layers, but patch {patch} stores {stored}", label.name())]
+    #[error("{task} declares {} with {asked} ghost layers, but patch {patch} stores {stored}: declare at most so many, or let the row of {} say more, with partials(n) or values(n)", label.name(), label.name())]
     GhostTooWide {
         /// The task.
         task: String,

@@ -10,5 +10,5 @@ pub mod prune;
 pub mod recipe;
 pub mod task;
 pub mod traffic;
-mod usage;
+pub(crate) mod usage;
 pub mod why;

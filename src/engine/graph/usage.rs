@@ -3,7 +3,7 @@ use super::error::GraphError;
 use super::phase::{Phase, Stage};
 use super::recipe::{Graph, TaskNode, Why, everywhere, over_particles};
 use super::task::{Access, Domain, Mode};
-use crate::schema::{Combine, Crossing, Home, LabelId, Life};
+use crate::schema::{Combine, Crossing, Home, LabelId, Life, Roles};
 use petgraph::visit::{EdgeRef, IntoEdgeReferences};
 use std::collections::BTreeMap;
 
@@ -158,6 +158,16 @@ pub fn added_after_reduction(graph: &Graph, phases: &[Phase]) -> Vec<GraphError>
         }
     }
     found
+}
+
+/// Tasks that move particles without widening the extents of their blocks.
+pub fn moves_unseen(graph: &Graph, roles: &Roles) -> Vec<GraphError> {
+    let Roles { position, extent, .. } = *roles;
+    let writes = |node: &TaskNode, label| {
+        node.declaration.access.iter().any(|access| access.label == label && access.mode.writes())
+    };
+    let unseen = graph.node_weights().filter(|node| writes(node, position) && !writes(node, extent));
+    unseen.map(|node| GraphError::MovesUnseen { task: node.name.clone(), position, extent }).collect()
 }
 
 /// Partial sums that are to outlive the graph, and that no stage over nodes adds up.

@@ -12,6 +12,7 @@ pub use pass::{Delay, Pass, passes};
 use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
 use crate::graph::recipe::Recipe;
+use crate::graph::usage;
 use crate::schema::{Home, LabelId, Life};
 use std::collections::BTreeSet;
 
@@ -166,6 +167,7 @@ impl Script {
             Script::Graph(name, recipe) => {
                 let (graph, refused) = TaskGraph::inspect(recipe, wanted, patches);
                 refusals.extend(refused);
+                refusals.extend(usage::moves_unseen(&graph.graph, &graph.schema().roles));
                 ProgramNode::Graph(Box::new(graph.named(name)))
             }
             Script::Loop { body, until, most } => {

@@ -204,7 +204,10 @@ impl Row {
     #[doc(hidden)]
     pub const fn declare(self, index: usize, name: &'static str, bytes: usize) -> Self {
         let width = bytes / size_of::<Wide>();
-        assert!(bytes.is_multiple_of(size_of::<Wide>()) && width > 0, "a tile is a number of cache lines");
+        assert!(
+            bytes.is_multiple_of(size_of::<Wide>()) && width > 0,
+            "a tile is a number of lines of eight doubles, as [Wide; 3] or a struct of such"
+        );
         let on_nodes = matches!(self.home, Home::Node);
         match self.crossing {
             Crossing::Partials(ghosts) | Crossing::Values(ghosts) => {
@@ -233,7 +236,7 @@ impl Row {
         assert!(!self.by_material || matches!(self.home, Home::Particle), "materials decide about particles");
         assert!(
             !matches!(self.combine, Combine::Exact) || width.is_multiple_of(9),
-            "exact sums take nine lines each"
+            "an exact sum takes nine lines: let the tile be an ExactSum, or an array of them"
         );
         Self { index, name, width, ..self }
     }
