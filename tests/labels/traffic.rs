@@ -64,7 +64,7 @@ fn sent(
         let mut engine = Engine::new(Box::new(Serial), Isa::detect(), &warehouse);
         let graphs = program.graphs().into_iter().map(|graph| {
             engine.run(graph, &mut warehouse, &mut network).expect("a graph");
-            engine.reduce(None, &graph.at_end, &mut warehouse.shared, &mut network).expect("reductions");
+            engine.reduce(graph, None, &mut warehouse.shared, &mut network).expect("reductions");
             (from, std::mem::take(&mut network.sent))
         });
         graphs.collect::<Vec<_>>()

@@ -107,9 +107,10 @@ pub fn outside(level: &Level, axis: usize, y: f64, half: f64) -> bool {
 pub fn somebody_left(extent: &Extent, level: &Level, block: BlockIndex, half_size: [f64; 3]) -> bool {
     (0..3).any(|axis| {
         let (least, most) = bounds(extent, axis);
-        [least, most].iter().any(|&y| {
-            y.is_finite() && (out_of_reach(level, block, axis, y) || outside(level, axis, y, half_size[axis]))
-        })
+        // nobody is in an extent whose bounds are the other way round
+        let ends = [least, most].into_iter().filter(|_| least <= most);
+        ends.into_iter()
+            .any(|y| out_of_reach(level, block, axis, y) || outside(level, axis, y, half_size[axis]))
     })
 }
 

@@ -172,7 +172,7 @@ impl Engine {
         has_labels(graph, warehouse);
         self.run(graph, warehouse, network)?;
         if order::end(graph) == [Op::ReduceAtEnd] {
-            self.reduce(None, &graph.at_end, &mut warehouse.shared, network)?;
+            self.reduce(graph, None, &mut warehouse.shared, network)?;
             return conductor.ran(graph, warehouse, &Relocation::default());
         }
         let mut puts_back = |particle: &mut Traveler, materials: &[MaterialData], shared: &mut Shared| {

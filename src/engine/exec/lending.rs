@@ -5,7 +5,7 @@ use crate::data::reduction;
 use crate::data::schedule::Schedule;
 use crate::data::shared::Shared;
 use crate::graph::phase::Phase;
-use crate::schema::Home;
+use crate::schema::{Home, LabelId};
 use std::sync::Mutex;
 
 /// Gives every worker the shared labels that the phases read, and nothing yet of those that they reduce.
@@ -35,18 +35,12 @@ pub fn collect(phases: &[Phase], scratch: &[Mutex<Scratch>], shared: &mut Shared
     }
 }
 
-/// The first phase of a tick that reduces a label starts it afresh; what is kept for each material, only for those
+/// The first phase of a tick that reduces a label starts it afresh; what is kept for each material, for those that contribute and
 /// whose step ends.
 pub fn begin(phase: &Phase, schedule: &Schedule, shared: &mut Shared) {
-    for &label in &phase.afresh {
-        let column = shared.column_mut(label);
-        match label.home() {
-            Home::Material => {
-                let tiles = column.chunks_exact_mut(label.width()).enumerate();
-                let ending = tiles.filter(|(material, _)| schedule.ends(*material));
-                ending.for_each(|(_, tile)| reduction::clear(label.combine(), tile));
-            }
-            _ => reduction::clear(label.combine(), column),
-        }
+    let ends = |(label, material): &&(LabelId, usize)| label.home() == Home::Run || schedule.ends(*material);
+    for &(label, material) in phase.afresh.iter().filter(ends) {
+        let tile = material * label.width()..(material + 1) * label.width();
+        reduction::clear(label.combine(), &mut shared.column_mut(label)[tile]);
     }
 }

@@ -9,7 +9,7 @@ use crate::data::extent::{out_of_reach, outside};
 use crate::data::particles::ParticleBlock;
 use crate::data::shared::Shared;
 use crate::data::warehouse::{MaterialData, Warehouse};
-use crate::schema::LabelId;
+use crate::graph::build::TaskGraph;
 use simd::Wide;
 
 /// What becomes of particles outside of the level: whether one is put back into it (at its position then), and what that
@@ -22,8 +22,8 @@ pub struct Transit<'a> {
     pub network: &'a mut dyn Network,
     /// Those in sight.
     pub neighbors: &'a [Neighbor],
-    /// What is reduced over all ranks on the way.
-    pub labels: &'a [LabelId],
+    /// What has run: labels that it leaves to its end are reduced over all ranks on the way.
+    pub graph: &'a TaskGraph,
     /// What becomes of particles outside of the level.
     pub leaving: &'a mut Leaving<'a>,
     /// What is done when.
@@ -94,7 +94,15 @@ impl Relocation {
                     _ => {
                         let began = way.trace.now();
                         let shared = &mut warehouse.shared;
-                        reduction::reduce(way.network, way.labels, &moved, shared, &mut counters)?;
+                        let contributes = |label, material| way.graph.contributes(None, label, material);
+                        reduction::reduce(
+                            way.network,
+                            &way.graph.at_end,
+                            &moved,
+                            contributes,
+                            shared,
+                            &mut counters,
+                        )?;
                         way.trace.record(0, began, Event::reduction(None));
                     }
                 }

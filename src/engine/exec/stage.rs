@@ -183,7 +183,8 @@ pub fn update_nodes<const METERED: bool>(
         let field = field - context.fields.of(material).start;
         Around { place, material, field, width, shape, particles, around: &split.around[slot] }
     };
-    if !stage.everywhere && !(0..present.len()).any(|slot| around(slot, 0, 0).is_something()) {
+    let known = |slot: &usize| !stage.unknown.contains(&context.fields.material(present[*slot]));
+    if !stage.everywhere && !(0..present.len()).filter(known).any(|slot| around(slot, 0, 0).is_something()) {
         return false;
     }
     let (mut laps, part) =
@@ -201,8 +202,11 @@ pub fn update_nodes<const METERED: bool>(
         let lines = if is_there(label, present.len()) { length * present.len() } else { 0 };
         if stage.sums.contains(&label) {
             for (slot, sums) in column[..lines].chunks_exact_mut(length).enumerate() {
-                if !stage.adders.contains(label, context.fields.material(present[slot])) {
-                    reduction::clear(label.combine(), sums);
+                let material = context.fields.material(present[slot]);
+                if !stage.adders.contains(label, material) {
+                    if !stage.kept.contains(label, material) {
+                        reduction::clear(label.combine(), sums);
+                    }
                     continue;
                 }
                 let from = around(slot, place, label.width());

@@ -22,7 +22,7 @@ use crate::data::warehouse::Warehouse;
 use crate::graph::build::TaskGraph;
 use crate::graph::phase::Stage;
 use crate::graph::task::Mode;
-use crate::schema::{Combine, LabelId};
+use crate::schema::Combine;
 use grid::Partition;
 use simd::Isa;
 use std::ops::Range;
@@ -157,8 +157,7 @@ impl Engine {
         for segment in order::segments(graph) {
             let phases = match segment {
                 Segment::One(Op::Reduce(phase)) => {
-                    let labels = &graph.phases[phase].reductions;
-                    self.reduce(Some(phase), labels, &mut warehouse.shared, network)?;
+                    self.reduce(graph, Some(phase), &mut warehouse.shared, network)?;
                     continue;
                 }
                 Segment::One(Op::Once(phase)) => {
@@ -210,22 +209,25 @@ impl Engine {
         Ok(())
     }
 
-    /// Brings the parts of all ranks of some labels together, before a phase or at the end.
+    /// Brings the parts of all ranks of labels together, before a phase of a graph or at its end.
     ///
     /// # Errors
     /// If a rank is gone.
     pub fn reduce(
         &self,
+        graph: &TaskGraph,
         before: Option<usize>,
-        labels: &[LabelId],
         shared: &mut Shared,
         network: &mut dyn Network,
     ) -> Result<(), NetworkError> {
+        let labels = before.map_or(&graph.at_end, |phase| &graph.phases[phase].reductions);
         if labels.is_empty() || network.size() == 1 {
             return Ok(());
         }
         let began = self.trace.now();
-        reduction::reduce(network, labels, |m| self.schedule.ends(m), shared, &mut Counters::default())?;
+        let contributes = |label, material| graph.contributes(before, label, material);
+        let ends = |material| self.schedule.ends(material);
+        reduction::reduce(network, labels, ends, contributes, shared, &mut Counters::default())?;
         self.trace.record(0, began, Event::reduction(before));
         Ok(())
     }
@@ -243,8 +245,7 @@ impl Engine {
         leaving: &mut Leaving<'_>,
     ) -> Result<Relocation, NetworkError> {
         let moved = |material: usize| self.schedule.ends(material);
-        let (labels, trace) = (&graph.at_end[..], &self.trace);
-        let mut way = Transit { network, neighbors: &self.neighbors, labels, leaving, trace };
+        let mut way = Transit { network, neighbors: &self.neighbors, graph, leaving, trace: &self.trace };
         let prepare = || Relocation::prepare(warehouse, &mut way, moved);
         self.metered(What::Relocation, prepare)
     }

@@ -6,6 +6,11 @@ use crate::schema::LabelId;
 pub struct Adders(Vec<(LabelId, Vec<bool>)>);
 
 impl Adders {
+    /// Nobody.
+    pub const fn new() -> Self {
+        Self(Vec::new())
+    }
+
     /// Notes that a material adds to a label.
     pub fn insert(&mut self, label: LabelId, material: usize) {
         let known = self.0.iter().position(|(other, _)| *other == label);

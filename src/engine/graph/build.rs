@@ -89,6 +89,12 @@ impl TaskGraph {
         stages.any(|stage| stage.touches(label, Mode::writes))
     }
 
+    /// Whether a phase before the given one (`None`: any) contributes to a shared label, for a material (0 for labels of the run).
+    pub fn contributes(&self, before: Option<usize>, label: LabelId, material: usize) -> bool {
+        let phases = &self.phases[..before.unwrap_or(self.phases.len())];
+        phases.iter().any(|phase| phase.afresh.contains(&(label, material)))
+    }
+
     /// All labels of the application.
     pub fn schema(&self) -> &'static Schema {
         self.recipe.schema
@@ -135,6 +141,12 @@ fn derive(recipe: &Recipe, patches: usize) -> (Graph, Vec<GraphError>) {
         };
         let node = TaskNode { declaration, entry: index, material: entry.material, name };
         let node = derivation.graph.add_node(node);
+        for (at, access) in declaration.access.iter().enumerate() {
+            if declaration.access[..at].iter().any(|other| other.label == access.label) {
+                let task = derivation.graph[node].name.clone();
+                refusals.push(GraphError::DeclaredTwice { task, label: access.label });
+            }
+        }
         for access in declaration.access.iter().filter(|a| a.mode != Mode::Scratch) {
             refusals.extend(derivation.check_ghost(node, access).err());
             refusals.extend(usage::check(&derivation.graph[node], access).err());

@@ -104,13 +104,16 @@ pub enum GraphError {
         /// The label.
         label: LabelId,
     },
-    /// Particles add to a sum, move, and add to it again: the first parts are where particles no longer are.
-    #[error("{task} adds to {}, to which its particles have added before {mover} moved them: let a task over nodes read the sum in between, or add to another label", label.name())]
+    /// Particles add to a sum, move, and add again, to the same or another, before it is added up: parts are where particles are no
+    /// longer.
+    #[error("{task} adds to {}, and its particles have added to {} before {mover} moved them: let a task over nodes read the sum in between", label.name(), open.name())]
     AddsAfterMove {
         /// The task that adds again.
         task: String,
         /// The label.
         label: LabelId,
+        /// The sum to which they have added before.
+        open: LabelId,
         /// Who moved the particles.
         mover: String,
     },
@@ -135,8 +138,22 @@ pub enum GraphError {
         extent: LabelId,
     },
     /// A loop waits for a label that is not the same everywhere.
-    #[error("a loop waits for {}, which is no label of the run: let a task that runs once compute one", label.name())]
+    #[error("a loop waits for {}, which is no plain number of the run: let a task that runs once compute one", label.name())]
     UntilWhat {
+        /// The label.
+        label: LabelId,
+    },
+    /// A loop that may not have a round.
+    #[error("a loop until {} may have 0 rounds: let it have at least one", label.name())]
+    NoRounds {
+        /// What it waits for.
+        label: LabelId,
+    },
+    /// A task names a label twice.
+    #[error("{task} declares {} twice: once is enough, as what is strongest", label.name())]
+    DeclaredTwice {
+        /// The task.
+        task: String,
         /// The label.
         label: LabelId,
     },

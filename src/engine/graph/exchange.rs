@@ -18,9 +18,19 @@ pub struct Exchange {
     pub labels: Vec<LabelId>,
     /// Of partial sums: who has added to them.
     pub adders: Adders,
-    /// Of values: whether those of all nodes travel that particles may touch, because the readers have not added to nodes in
-    /// this graph, or have moved since, so that nobody knows which nodes they touch.
+    /// Of partial sums: the materials that have added to anything until then; they say to which nodes. Of values: those that read
+    /// them, in any phase from `to` on.
+    pub materials: BTreeSet<usize>,
+    /// Of values: whether those of all nodes travel that particles may touch, because a reader has not added to nodes in
+    /// this graph, or has moved since, so that nobody knows which nodes it touches.
     pub whole: bool,
+}
+
+impl Exchange {
+    /// Whether particles of a material send or read anything.
+    pub fn concerns(&self, material: usize) -> bool {
+        self.materials.contains(&material)
+    }
 }
 
 /// The most labels of an exchange: messages have a bit for each.
@@ -52,9 +62,10 @@ fn of_nodes(phase: &Phase) -> impl Iterator<Item = (Domain, &Access)> {
 fn exchanges(schema: &Schema, phases: &mut [Phase]) -> Vec<Exchange> {
     let mut exchanges: Vec<Exchange> = Vec::new();
     let mut spread = BTreeMap::new();
-    // who has written a label last, if it has not been sent since
+    // who has written a label last, if it has not been sent since; and what has sent it, if anything had to
     let mut writer: BTreeMap<LabelId, usize> = BTreeMap::new();
-    let (mut known, mut touched) = (BTreeSet::new(), Touched::default());
+    let mut known: BTreeMap<LabelId, usize> = BTreeMap::new();
+    let mut touched = Touched::default();
     for number in 0..phases.len() {
         let reads = of_nodes(&phases[number]).filter(|(_, a)| a.mode.reads());
         let across =
@@ -62,25 +73,36 @@ fn exchanges(schema: &Schema, phases: &mut [Phase]) -> Vec<Exchange> {
         let halos: BTreeSet<LabelId> = across.map(|(_, a)| a.label).collect();
         for &label in &halos {
             let way = if label.is_partial() { Way::Partials } else { Way::Values };
-            let from = match writer.remove(&label) {
-                Some(writer) => Some(writer),
-                None if known.contains(&label) || label.life() < Life::Step => continue,
-                None => None,
-            };
-            known.insert(label);
-            let fits = |e: &&mut Exchange| {
-                (e.from, e.to, e.way) == (from, number, way) && e.labels.len() < MOST_LABELS
-            };
-            match exchanges.iter_mut().find(fits) {
-                Some(exchange) => exchange.labels.push(label),
-                None => {
-                    let whole = way == Way::Values && !touched.is_known(&phases[number], from);
-                    let (labels, adders) = (vec![label], Adders::default());
-                    exchanges.push(Exchange { from, to: number, way, labels, adders, whole });
+            let written = writer.remove(&label);
+            let from = match (written, known.get(&label)) {
+                (Some(_), _) => written,
+                (None, Some(&sent)) => {
+                    exchanges[sent].read_too(&phases[number], label, &touched);
+                    continue;
                 }
-            }
-            if way == Way::Partials {
-                touched.tell(from, number);
+                (None, None) if label.life() < Life::Step => continue,
+                (None, None) => None,
+            };
+            let fits =
+                |e: &Exchange| (e.from, e.to, e.way) == (from, number, way) && e.labels.len() < MOST_LABELS;
+            let at = exchanges.iter().position(fits).unwrap_or_else(|| {
+                let (adders, materials, labels, whole) = (Adders::new(), BTreeSet::new(), Vec::new(), false);
+                exchanges.push(Exchange { from, to: number, way, labels, adders, materials, whole });
+                exchanges.len() - 1
+            });
+            exchanges[at].labels.push(label);
+            known.insert(label, at);
+            match way {
+                Way::Values => exchanges[at].read_too(&phases[number], label, &touched),
+                Way::Partials => {
+                    let before = &phases[..from.map_or(0, |from| from + 1)];
+                    let added = before.iter().flat_map(|phase| &phase.stages).flat_map(|stage| {
+                        stage.adds.iter().filter_map(|&label| Some((label, stage.material?)))
+                    });
+                    exchanges[at].materials.extend(added.clone().map(|(_, material)| material));
+                    exchanges[at].adders.extend(added.filter(|(other, _)| *other == label));
+                    touched.tell(&exchanges[at].materials, from, number);
+                }
             }
         }
         for (_, access) in of_nodes(&phases[number]).filter(|(_, a)| a.mode.writes()) {
@@ -89,19 +111,30 @@ fn exchanges(schema: &Schema, phases: &mut [Phase]) -> Vec<Exchange> {
             }
             writer.insert(access.label, number);
         }
+        if phases[number].is_over_nodes() {
+            phases[number].stages.iter_mut().for_each(|stage| stage.unknown.clone_from(&touched.unknown));
+        }
         touched.note(schema, &phases[number], number);
         phases[number].halos = halos.into_iter().collect();
     }
-    for (number, exchange) in exchanges.iter_mut().enumerate() {
+    for (number, exchange) in exchanges.iter().enumerate() {
         phases[exchange.to].receives.push(number);
         if let Some(from) = exchange.from {
             phases[from].sends.push(number);
-            let stages = phases[..=from].iter().flat_map(|phase| &phase.stages);
-            let adds = stages.flat_map(|stage| stage.adds.iter().filter_map(|&l| Some((l, stage.material?))));
-            exchange.adders.extend(adds.filter(|(label, _)| exchange.labels.contains(label)));
         }
     }
     exchanges
+}
+
+impl Exchange {
+    /// Particles of a phase read one of the labels: what travels has to hold what they touch.
+    fn read_too(&mut self, phase: &Phase, label: LabelId, touched: &Touched) {
+        let readers = phase.stages.iter().filter(|stage| stage.reads.contains(&label));
+        for material in readers.filter_map(|stage| stage.material) {
+            self.whole |= self.way == Way::Values && !touched.is_known(material, self.from);
+            self.materials.insert(material);
+        }
+    }
 }
 
 /// Of which materials other ranks know which nodes they touch: partial sums say it.
@@ -111,23 +144,29 @@ struct Touched {
     added: BTreeMap<usize, usize>,
     /// Those whose partial sums have come to other ranks, and the phase for which.
     told: BTreeMap<usize, usize>,
+    /// Those that have added to nodes, and other ranks do not know to which.
+    unknown: BTreeSet<usize>,
 }
 
 impl Touched {
-    /// Partial sums are sent after phase `from`, for phase `to`.
-    fn tell(&mut self, from: Option<usize>, to: usize) {
-        let before = self.added.iter().filter(|(_, first)| from.is_some_and(|from| **first <= from));
-        before.for_each(|(&material, _)| {
+    /// Partial sums of some materials are sent after phase `from`, for phase `to`.
+    fn tell(&mut self, materials: &BTreeSet<usize>, from: Option<usize>, to: usize) {
+        let before = |material: &&usize| {
+            self.added.get(material).is_some_and(|first| from.is_some_and(|from| *first <= from))
+        };
+        for &material in materials.iter().filter(before) {
             self.told.entry(material).or_insert(to);
-        });
+            self.unknown.remove(&material);
+        }
     }
 
     /// Notes what a phase does.
     fn note(&mut self, schema: &Schema, phase: &Phase, number: usize) {
         for stage in &phase.stages {
             let Some(material) = stage.material else { continue };
-            if !stage.adds.is_empty() {
-                self.added.entry(material).or_insert(number);
+            if !stage.adds.is_empty() && !self.added.contains_key(&material) {
+                self.added.insert(material, number);
+                self.unknown.insert(material);
             }
             if stage.touches(schema.roles.extent, Mode::writes) {
                 self.added.remove(&material);
@@ -136,34 +175,41 @@ impl Touched {
         }
     }
 
-    /// Whether those who send after phase `from` know which nodes the readers of a phase touch.
-    fn is_known(&self, phase: &Phase, from: Option<usize>) -> bool {
-        let readers = phase.stages.iter().filter(|stage| !stage.reads.is_empty());
-        let mut materials = readers.filter_map(|stage| stage.material);
-        from.is_some_and(|from| materials.all(|m| self.told.get(&m).is_some_and(|&to| to <= from)))
+    /// Whether those who send after phase `from` know which nodes a material touches.
+    fn is_known(&self, material: usize, from: Option<usize>) -> bool {
+        from.is_some_and(|from| self.told.get(&material).is_some_and(|&to| to <= from))
     }
 }
 
 /// Partial sums that live for a stage are added up wherever they are read, others by the first stage after they were
 /// written. Particles release the buffers of those that nobody reads any more.
 fn partial_sums(phases: &mut [Phase]) {
-    let mut fresh = BTreeSet::new();
+    // who has added since a label was added up last, and who ever has
+    let (mut fresh, mut all) = (BTreeSet::new(), BTreeSet::new());
     let mut last_use: BTreeMap<LabelId, usize> = BTreeMap::new();
-    let mut adders = Adders::default();
     for (number, phase) in phases.iter_mut().enumerate() {
         for stage in &mut phase.stages {
             let partial = stage.touched.iter().filter(|a| a.label.is_partial());
             match stage.domain {
                 Domain::Nodes => {
                     let read = partial.filter(|a| a.mode.reads()).map(|a| a.label);
-                    let sums = read.filter(|label| label.life() == Life::Stage || fresh.remove(label));
-                    stage.sums = sums.collect();
-                    stage.adders = adders.of(&stage.sums);
+                    let added = |label: &LabelId| fresh.iter().any(|(other, _)| other == label);
+                    stage.sums = read.filter(|label| label.life() == Life::Stage || added(label)).collect();
+                    let summed = |(label, _): &&(LabelId, usize)| stage.sums.contains(label);
+                    for &(label, material) in all.iter().filter(summed) {
+                        // what lives for a stage is nowhere but in the parts
+                        let again = label.life() == Life::Stage || fresh.remove(&(label, material));
+                        let list = if again { &mut stage.adders } else { &mut stage.kept };
+                        list.insert(label, material);
+                    }
                     last_use.extend(stage.sums.iter().map(|&label| (label, number)));
                 }
                 _ => {
-                    fresh.extend(stage.adds.iter().copied());
-                    adders.extend(stage.adds.iter().filter_map(|&label| Some((label, stage.material?))));
+                    let adds = stage.adds.iter().filter_map(|&label| Some((label, stage.material?)));
+                    adds.for_each(|pair| {
+                        fresh.insert(pair);
+                        all.insert(pair);
+                    });
                     last_use.extend(stage.adds.iter().map(|&label| (label, number)));
                 }
             }

@@ -25,6 +25,7 @@ pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> (Vec<Phase>, Vec<
             domain != Domain::Once
                 && (s.domain, s.material) == (domain, material)
                 && !needs_all_blocks(graph, node, s)
+                && !reads_and_reduces(&s.touched, graph[node].declaration.access)
                 && !(s.touches(recipe.schema.roles.extent, Mode::writes) && at_nodes(&graph[node]))
         });
         if !joins {
@@ -40,6 +41,15 @@ pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> (Vec<Phase>, Vec<
         refusals.extend(check_chunk_labels(graph, node, stage, patches).err());
     }
     (group(graph, recipe, stages), refusals)
+}
+
+/// Whether one reads a shared label that the other contributes to: a worker has a copy of what there is, or room for a part.
+fn reads_and_reduces(one: &[Access], other: &[Access]) -> bool {
+    let mixed = |a: &Access| {
+        let same = other.iter().find(|b| b.label == a.label);
+        a.label.is_shared() && same.is_some_and(|b| a.reduces() != b.reduces())
+    };
+    one.iter().any(mixed)
 }
 
 /// Whether a task has to do with nodes: which ones its particles touch has to be known before the stage.
@@ -90,6 +100,7 @@ fn group(graph: &Graph, recipe: &Recipe, stages: Vec<Stage>) -> Vec<Phase> {
         let independent = |other: &Stage| {
             other.domain == Domain::Particles
                 && other.material != stage.material
+                && !reads_and_reduces(&other.touched, &stage.touched)
                 && !stage.nodes.iter().any(|&n| {
                     graph.edges_directed(n, Direction::Incoming).any(|e| other.nodes.contains(&e.source()))
                 })
@@ -101,8 +112,11 @@ fn group(graph: &Graph, recipe: &Recipe, stages: Vec<Stage>) -> Vec<Phase> {
             _ => phases.push(Phase { stages: vec![stage], ..Phase::default() }),
         }
     }
+    // they do not depend on one another; blocks are gone through in this order
+    phases.iter_mut().for_each(|phase| phase.stages.sort_by_key(|stage| stage.material));
     let mut begun = BTreeSet::new();
-    phases.iter_mut().for_each(|phase| phase.complete(recipe.schema, &mut begun));
+    let materials = recipe.materials.len();
+    phases.iter_mut().for_each(|phase| phase.complete(recipe.schema, materials, &mut begun));
     if let Some(last) = phases.iter().rposition(Phase::is_over_nodes) {
         phases[last].settles = true;
     }
@@ -110,7 +124,8 @@ fn group(graph: &Graph, recipe: &Recipe, stages: Vec<Stage>) -> Vec<Phase> {
 }
 
 /// Groups phases over blocks that may follow one another as a wave: as soon as one has done a layer of blocks and those
-/// beside it, the next may do that layer. What is reduced over all blocks may not be read in the same wave. Nothing follows
+/// beside it, the next may do that layer. What is reduced over all blocks may not be read in the same wave, and what other ranks
+/// have reduced comes together before a wave. Nothing follows
 /// particles that read nodes of the same wave: those at the rim of a rank do so last.
 pub fn waves(phases: &[Phase]) -> Vec<Range<usize>> {
     let over_blocks = |phase: &Phase| phase.stages.iter().all(|s| s.domain != Domain::Once);
@@ -122,6 +137,7 @@ pub fn waves(phases: &[Phase]) -> Vec<Range<usize>> {
         let joins = |wave: &Range<usize>| {
             let nodes_then_particles = wave.len() > 1 && !phases[wave.end - 1].is_over_nodes();
             over_blocks(phase)
+                && phase.reductions.is_empty()
                 && !nodes_then_particles
                 && phases[wave.clone()].iter().all(|p| over_blocks(p) && !conflict(p, phase))
         };

@@ -1,7 +1,7 @@
 //! What runs: stages of fused tasks, and phases of stages that may run at the same time.
 use super::adders::Adders;
 use super::task::{Access, Domain, Mode};
-use crate::schema::{Combine, Home, LabelId, Life, Schema};
+use crate::schema::{Home, LabelId, Life, Schema};
 use petgraph::stable_graph::NodeIndex;
 use std::collections::BTreeSet;
 
@@ -28,8 +28,13 @@ pub struct Stage {
     pub reads: Vec<LabelId>,
     /// Labels of nodes whose partial sums a stage over nodes adds up.
     pub sums: Vec<LabelId>,
-    /// Who has added to them in this graph. Of others there is nothing.
+    /// Who has added to them since they were added up last.
     pub adders: Adders,
+    /// Who has added to them in this graph, but not since then: what they have stays. Of others there is nothing.
+    pub kept: Adders,
+    /// Materials that have added to nodes in this graph, and other ranks do not know yet to which: whether a block of nodes is touched
+    /// does not depend on them.
+    pub unknown: BTreeSet<usize>,
     /// Labels of nodes to which particles added before, and whose partial sums nobody needs any more.
     pub releases: Vec<LabelId>,
     /// Whether it is over nodes and touches what they keep from step to step: it runs also where no particle touches them.
@@ -50,7 +55,7 @@ impl Stage {
     pub(super) fn new(domain: Domain, material: Option<usize>) -> Self {
         let (entries, nodes, touched, when) = (Vec::new(), Vec::new(), Vec::new(), When::End);
         let [adds, begins, reads, sums, releases] = [const { Vec::new() }; 5];
-        let (adders, everywhere) = (Adders::default(), false);
+        let ([adders, kept], everywhere) = ([const { Adders::new() }; 2], false);
         Self {
             domain,
             material,
@@ -63,6 +68,8 @@ impl Stage {
             reads,
             sums,
             adders,
+            kept,
+            unknown: BTreeSet::new(),
             releases,
             everywhere,
         }
@@ -89,12 +96,12 @@ impl Stage {
 /// Stages without edges between them.
 #[derive(Clone, Debug, Default)]
 pub struct Phase {
-    /// The stages: several only if all run over particles, of different materials.
+    /// The stages: several only if all run over particles, of different materials, in their order.
     pub stages: Vec<Stage>,
     /// Labels of home `Material` and `Run` that they touch, and whether they reduce them.
     pub shared: Vec<(LabelId, bool)>,
-    /// Labels of those that no earlier phase reduces.
-    pub afresh: Vec<LabelId>,
+    /// Those that no earlier phase reduces: labels, and the materials for which it does (0 for labels of the run).
+    pub afresh: Vec<(LabelId, usize)>,
     /// Whether it decides which materials act in the phases that follow.
     pub decides: bool,
     /// Whether it is the last one over nodes: they have gone through the tick then.
@@ -115,17 +122,30 @@ impl Phase {
         self.stages.first().is_some_and(|stage| stage.domain == Domain::Nodes)
     }
 
-    /// Fills in what follows from the stages; `begun` are the labels that earlier phases reduce.
-    pub(super) fn complete(&mut self, schema: &Schema, begun: &mut BTreeSet<LabelId>) {
+    /// Fills in what follows from the stages; `begun` are the labels that earlier phases reduce, for which of so many materials.
+    pub(super) fn complete(
+        &mut self,
+        schema: &Schema,
+        materials: usize,
+        begun: &mut BTreeSet<(LabelId, usize)>,
+    ) {
         self.stages.iter_mut().for_each(Stage::complete);
         let touched = self.stages.iter().flat_map(|s| &s.touched);
-        let shared: BTreeSet<_> = touched
-            .filter(|a| a.label.is_shared())
-            .map(|a| (a.label, a.mode == Mode::Computes && a.label.combine() != Combine::None))
-            .collect();
+        let shared: BTreeSet<_> =
+            touched.filter(|a| a.label.is_shared()).map(|a| (a.label, a.reduces())).collect();
         self.shared = shared.into_iter().collect();
-        let reduced = self.shared.iter().filter(|(_, reduces)| *reduces).map(|&(label, _)| label);
-        self.afresh = reduced.filter(|&label| begun.insert(label)).collect();
+        let reduced = self.stages.iter().flat_map(|stage| {
+            let reduced = stage.touched.iter().filter(|a| a.label.is_shared() && a.reduces());
+            reduced.flat_map(move |a| {
+                let of = match (a.label.home(), stage.material) {
+                    (Home::Material, Some(material)) => material..material + 1,
+                    (Home::Material, None) => 0..materials,
+                    _ => 0..1,
+                };
+                of.map(|material| (a.label, material))
+            })
+        });
+        self.afresh = reduced.filter(|&key| begun.insert(key)).collect();
         let writes_steps = |steps| self.stages.iter().any(|s| s.touches(steps, Mode::writes));
         self.decides = schema.steps().is_some_and(writes_steps);
     }

@@ -1,7 +1,7 @@
 //! What a task is: a declaration, an `Io` made from it, and a body that sees only the `Io`.
 use crate::data::schedule::FieldTime;
 use crate::data::workspace::Workspace;
-use crate::schema::{Home, LabelId};
+use crate::schema::{Combine, Home, LabelId};
 use grid::Origin;
 use simd::{Isa, Job, Simd};
 
@@ -61,6 +61,13 @@ pub struct Access {
     pub mode: Mode,
     /// Layers of nodes beyond the block's own.
     pub ghost: u8,
+}
+
+impl Access {
+    /// Whether the task contributes to a label that others contribute to.
+    pub fn reduces(&self) -> bool {
+        self.mode == Mode::Computes && self.label.combine() != Combine::None
+    }
 }
 
 /// Where a body runs.

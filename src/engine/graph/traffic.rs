@@ -147,7 +147,7 @@ impl Traffic {
     /// An exchange in which the materials `act` that say so: one message for each pair of ranks of which one has particles
     /// beside nodes of the other.
     pub fn exchange(&self, exchange: &Exchange, act: impl Fn(usize) -> bool) -> Pairs {
-        let acting: Vec<usize> = (0..self.fields.len()).filter(|&material| act(material)).collect();
+        let acting: Vec<usize> = (0..self.fields.len()).filter(|&m| act(m) && exchange.concerns(m)).collect();
         let mut pairs = Pairs::new();
         for ((from, to), passing) in self.leaving() {
             let adders: u64 = acting.iter().map(|&material| passing[material].adders).sum();

@@ -5,7 +5,7 @@ use super::recipe::{Graph, TaskNode, Why, everywhere, over_particles};
 use super::task::{Access, Domain, Mode};
 use crate::schema::{Combine, Crossing, Home, LabelId, Life, Roles};
 use petgraph::visit::{EdgeRef, IntoEdgeReferences};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What a task does, and what to do instead.
 type Misuse = (&'static str, &'static str);
@@ -117,24 +117,28 @@ fn user(graph: &Graph, stage: &Stage, label: LabelId, wanted: fn(Mode) -> bool) 
     task.map(|node| graph[*node].name.clone())
 }
 
-/// Sums to which particles add, and again after they have moved.
+/// Sums to which particles add while others are open to which they have added before they moved: a block knows one set of nodes
+/// that its particles touch.
 pub fn added_after_move(graph: &Graph, phases: &[Phase], extent: LabelId) -> Vec<GraphError> {
-    // by label and material: who has moved the particles since they added, if anybody
-    let mut open: BTreeMap<(LabelId, usize), Option<String>> = BTreeMap::new();
+    // by material: who has moved the particles while a sum was open, and which
+    let (mut open, mut moved) = (BTreeSet::new(), BTreeMap::new());
     let mut found = Vec::new();
     for stage in phases.iter().flat_map(|phase| &phase.stages) {
-        open.retain(|(label, _), _| !stage.sums.contains(label));
+        open.retain(|(_, label)| !stage.sums.contains(label));
+        moved.retain(|material, _| open.iter().any(|(other, _)| other == material));
         let Some(material) = stage.material else { continue };
         for &label in &stage.adds {
-            if let (Some(mover), Some(task)) =
-                (open.entry((label, material)).or_default(), user(graph, stage, label, Mode::writes))
+            if let Some((mover, open)) = moved.get(&material)
+                && let Some(task) = user(graph, stage, label, Mode::writes)
             {
-                found.push(GraphError::AddsAfterMove { task, label, mover: mover.clone() });
+                let mover = String::clone(mover);
+                found.push(GraphError::AddsAfterMove { task, label, open: *open, mover });
             }
+            open.insert((material, label));
         }
-        if let Some(mover) = user(graph, stage, extent, Mode::writes) {
-            let mine = open.iter_mut().filter(|((_, of), _)| *of == material);
-            mine.for_each(|(_, moved)| *moved = Some(mover.clone()));
+        let first = open.iter().find(|(other, _)| *other == material);
+        if let (Some(mover), Some(&(_, label))) = (user(graph, stage, extent, Mode::writes), first) {
+            moved.insert(material, (mover, label));
         }
     }
     found

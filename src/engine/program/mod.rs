@@ -13,7 +13,7 @@ use crate::graph::build::TaskGraph;
 use crate::graph::error::GraphError;
 use crate::graph::recipe::Recipe;
 use crate::graph::usage;
-use crate::schema::{Home, LabelId, Life};
+use crate::schema::{Combine, Home, LabelId, Life};
 use std::collections::BTreeSet;
 
 /// A named sequence of graphs and loops.
@@ -171,8 +171,11 @@ impl Script {
                 ProgramNode::Graph(Box::new(graph.named(name)))
             }
             Script::Loop { body, until, most } => {
-                if until.home() != Home::Run {
+                if until.home() != Home::Run || until.combine() != Combine::None {
                     refusals.push(GraphError::UntilWhat { label: until });
+                }
+                if most == 0 {
+                    refusals.push(GraphError::NoRounds { label: until });
                 }
                 let body = body.into_iter().map(|part| part.inspect(wanted, patches, refusals)).collect();
                 ProgramNode::Loop(Loop { body, until, most })

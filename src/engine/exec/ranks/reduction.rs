@@ -10,7 +10,7 @@ use std::ops::Range;
 pub type Counters = [u64; LANES];
 
 /// Reduces `labels` over all ranks, in one go with `counters`. Of labels that each material keeps, only those of materials
-/// for which `fresh` holds: the others have been reduced before.
+/// for which `fresh` holds: the others have been reduced before. What nobody `contributes` to is the same on all ranks, and stays.
 ///
 /// # Errors
 /// If a rank is gone.
@@ -18,6 +18,7 @@ pub fn reduce(
     network: &mut dyn Network,
     labels: &[LabelId],
     fresh: impl Fn(usize) -> bool,
+    contributes: impl Fn(LabelId, usize) -> bool,
     shared: &mut Shared,
     counters: &mut Counters,
 ) -> Result<(), NetworkError> {
@@ -37,7 +38,10 @@ pub fn reduce(
         counts.iter_mut().zip(more).for_each(|(a, &b)| *a = a.wrapping_add(b));
         for (label, lines) in &pieces {
             let here = at..at + lines.len();
-            reduction::merge(label.combine(), &mut into[here.clone()], &from[here.clone()]);
+            let material = if label.home() == Home::Material { lines.start / label.width() } else { 0 };
+            if contributes(*label, material) {
+                reduction::merge(label.combine(), &mut into[here.clone()], &from[here.clone()]);
+            }
             at = here.end;
         }
     })?;

@@ -99,10 +99,12 @@ impl Halos {
             match exchange.way {
                 Way::Partials => {
                     let adders = it.adders_there.iter().filter(|adder| schedule.begins(adder.material));
+                    let adders = adders.filter(|adder| exchange.concerns(adder.material));
                     adders.map(|adder| adder.most(exchange, context)).sum()
                 }
                 Way::Values => {
                     let read = it.read_there.iter().filter(|read| schedule.ends(read.material));
+                    let read = read.filter(|read| exchange.concerns(read.material));
                     read.map(|read| context.shape.node_count() * width(exchange, context, read.material))
                         .sum()
                 }
@@ -123,7 +125,8 @@ impl Halos {
     ) -> [usize; 2] {
         let mut sent = [0; 2];
         for halo in &self.0 {
-            let adders = halo.adders_here.iter().filter(|adder| context.schedule.begins(adder.material));
+            let begins = |material| context.schedule.begins(material) && exchange.concerns(material);
+            let adders = halo.adders_here.iter().filter(|adder| begins(adder.material));
             let sizes: Vec<(&Adder, usize)> =
                 adders.map(|adder| (adder, adder.size(exchange, context, particles))).collect();
             if sizes.is_empty() {
@@ -158,7 +161,8 @@ impl Halos {
         let mut reader = Reader { message, at: 0 };
         let halo = self.0.iter().find(|it| it.rank == rank);
         let adders = halo.map_or(&[][..], |it| &it.adders_there);
-        let mut adders = adders.iter().filter(|it| context.schedule.begins(it.material)).peekable();
+        let begins = |material| context.schedule.begins(material) && exchange.concerns(material);
+        let mut adders = adders.iter().filter(|it| begins(it.material)).peekable();
         let mut pieces = Vec::new();
         for (patch, homes) in particles.iter_mut().enumerate() {
             if adders.peek().is_none_or(|adder| adder.place.0 != patch) {
@@ -192,7 +196,8 @@ impl Halos {
     ) -> [usize; 2] {
         let mut sent = [0; 2];
         for halo in &self.0 {
-            let ends = |read: &&NodesRead| context.schedule.ends(read.material);
+            let ends =
+                |read: &&NodesRead| context.schedule.ends(read.material) && exchange.concerns(read.material);
             let most = halo.read_here.iter().filter(ends);
             let most =
                 most.map(|it| context.shape.node_count() * width(exchange, context, it.material)).sum();
@@ -229,7 +234,9 @@ impl Halos {
     ) -> Result<(), NetworkError> {
         let mut reader = Reader { message, at: 0 };
         for halo in self.0.iter().filter(|it| it.rank == rank) {
-            for read in halo.read_there.iter().filter(|read| context.schedule.ends(read.material)) {
+            let ends =
+                |read: &&NodesRead| context.schedule.ends(read.material) && exchange.concerns(read.material);
+            for read in halo.read_there.iter().filter(ends) {
                 let touched = read.nodes(&context.shape, &halo.adders_here, particles, exchange.whole);
                 let block = &mut nodes[read.place.0].blocks[read.place.1];
                 for (label, field) in columns(exchange, context, read.material) {
