@@ -271,3 +271,25 @@ fn output_that_nobody_reads_ends_without_a_word() {
     let output = std::process::Command::new("sh").args(["-c", &script]).output().expect("a shell");
     assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+#[test]
+fn a_launcher_that_starts_other_ranks_is_told_in_its_row() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().to_str().expect("a name");
+    let measure = ["--launcher", "env", "--ranks", "2", "--patches", "2", "--threads", "1", "--measure-only"];
+    let steps = ["--steps", "1", "--warm-up", "0", "--repeat", "1", "-q", "--out", out];
+    let output = sinew(&[&["scale", "problems/two-spheres"], &measure[..], &steps[..]].concat());
+    let csv = std::fs::read_to_string(folder.path().join("measured.csv")).expect("a table");
+    assert!(csv.contains("started 1 ranks: give another --launcher"), "{csv}{}", words(&output));
+}
+
+#[test]
+fn there_is_no_such_patch_or_rank() {
+    for (option, told) in
+        [("--patch", "no patch 9: there are patches 0 to 0"), ("--rank", "no rank 9: there are ranks 0")]
+    {
+        let output = sinew(&["graph", "problems/two-spheres", option, "9"]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(words(&output).contains(told), "{}", words(&output));
+    }
+}

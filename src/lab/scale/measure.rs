@@ -129,6 +129,10 @@ impl Open {
     /// One repetition.
     fn repeat(&mut self, plan: &Plan) -> Result<(), String> {
         let (summary, tally) = child(plan, &self.case, self.row.grid, &self.overrides)?;
+        if summary.ranks != self.case.ranks {
+            let launcher = &plan.launcher;
+            return Err(format!("{launcher:?} started {} ranks: give another --launcher", summary.ranks));
+        }
         let ms = 1e-6 * tally.ranks.iter().map(|rank| rank.span).fold(0.0, f64::max) / tally.steps as f64;
         if self.times.iter().all(|&other| ms < other) {
             record(&mut self.row, &summary, &tally, ms);
