@@ -28,15 +28,4 @@ impl Adders {
         let materials = self.0.iter().find(|(other, _)| *other == label);
         materials.is_some_and(|(_, materials)| materials.get(material) == Some(&true))
     }
-
-    /// Those that add to some of `labels`.
-    pub fn of(&self, labels: &[LabelId]) -> Self {
-        Self(self.0.iter().filter(|(label, _)| labels.contains(label)).cloned().collect())
-    }
-}
-
-impl Extend<(LabelId, usize)> for Adders {
-    fn extend<T: IntoIterator<Item = (LabelId, usize)>>(&mut self, pairs: T) {
-        pairs.into_iter().for_each(|(label, material)| self.insert(label, material));
-    }
 }

@@ -95,12 +95,7 @@ fn exchanges(schema: &Schema, phases: &mut [Phase]) -> Vec<Exchange> {
             match way {
                 Way::Values => exchanges[at].read_too(&phases[number], label, &touched),
                 Way::Partials => {
-                    let before = &phases[..from.map_or(0, |from| from + 1)];
-                    let added = before.iter().flat_map(|phase| &phase.stages).flat_map(|stage| {
-                        stage.adds.iter().filter_map(|&label| Some((label, stage.material?)))
-                    });
-                    exchanges[at].materials.extend(added.clone().map(|(_, material)| material));
-                    exchanges[at].adders.extend(added.filter(|(other, _)| *other == label));
+                    exchanges[at].added(&phases[..from.map_or(0, |from| from + 1)], label);
                     touched.tell(&exchanges[at].materials, from, number);
                 }
             }
@@ -127,6 +122,17 @@ fn exchanges(schema: &Schema, phases: &mut [Phase]) -> Vec<Exchange> {
 }
 
 impl Exchange {
+    /// Particles have added to one of the labels in some phases: what they have added travels, and which nodes all touch.
+    fn added(&mut self, phases: &[Phase], label: LabelId) {
+        for stage in phases.iter().flat_map(|phase| &phase.stages).filter(|stage| !stage.adds.is_empty()) {
+            let Some(material) = stage.material else { continue };
+            self.materials.insert(material);
+            if stage.adds.contains(&label) {
+                self.adders.insert(label, material);
+            }
+        }
+    }
+
     /// Particles of a phase read one of the labels: what travels has to hold what they touch.
     fn read_too(&mut self, phase: &Phase, label: LabelId, touched: &Touched) {
         let readers = phase.stages.iter().filter(|stage| stage.reads.contains(&label));
