@@ -1,19 +1,18 @@
 //! The same bits on any number of ranks, whoever has which patch. Ranks are threads of the test here; `tests/mpi.rs` runs
 //! them as processes.
 mod common;
-#[path = "common/times.rs"]
-mod times;
+#[path = "common/random.rs"]
+mod runner;
 
 use common::{Overrides, problem, scene};
 use engine::exec::ranks::local::Local;
 use engine::schema::Label;
 use proptest::prelude::*;
-use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
+use runner::runner;
 use scene::Scene;
 use simd::Isa;
 use sinew::simulation::{Report, RunError, Simulation};
 use tasks::labels;
-use times::times;
 
 /// The hash of all ranks' particles and the report at the end, on one rank in the simplest way.
 fn alone(scene: &Scene) -> (u64, Report) {
@@ -154,10 +153,7 @@ fn random_patches_and_ranks_that_change_do_not_change_a_bit() {
         let scene = scene(CROSSING, overrides);
         let wanted = alone(&scene);
         println!("{} deleted, {} reflected", wanted.1.deleted, wanted.1.reflected);
-        let config =
-            ProptestConfig { cases: 8 * times(), failure_persistence: None, ..ProptestConfig::default() };
-        let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
-        let result = runner.run(&layout(), |(patches, ranks, threads, step, maps)| {
+        let result = runner(8).run(&layout(), |(patches, ranks, threads, step, maps)| {
             let mut scene = scene.clone();
             (scene.run.patches, scene.run.threads) = (Some(patches), Some(threads));
             let march = |simulation: &mut Simulation| {

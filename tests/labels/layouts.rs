@@ -1,13 +1,12 @@
 //! The same bits as a plain sum, on any patches, threads and ranks, whoever has which patch when.
 use crate::reference::Reference;
 use crate::run::{Layout, level, run};
+use crate::runner::runner;
 use crate::state::{Particle, Start, same, start};
-use crate::times::times;
 use crate::toy::program;
 use engine::program::hazards;
 use proptest::prelude::*;
 use proptest::sample::Index;
-use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
 /// Steps of a run: patches change their rank before the last one.
 const STEPS: usize = 4;
@@ -41,10 +40,7 @@ pub fn expected(start: &Start, steps: usize) -> crate::state::State {
 
 /// Runs `test` on some random inputs, the same each time.
 pub fn cases<S: Strategy>(cases: u32, input: S, test: impl Fn(S::Value)) {
-    let config =
-        ProptestConfig { cases: cases * times(), failure_persistence: None, ..ProptestConfig::default() };
-    let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
-    let run = runner.run(&input, |input| {
+    let run = runner(cases).run(&input, |input| {
         test(input);
         Ok(())
     });

@@ -10,8 +10,8 @@ mod many;
 mod reference;
 mod refusals;
 mod run;
+#[path = "../common/random.rs"]
+mod runner;
 mod state;
-#[path = "../common/times.rs"]
-mod times;
 mod toy;
 mod traffic;

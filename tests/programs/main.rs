@@ -4,5 +4,5 @@ mod cases;
 mod physics;
 mod random;
 mod run;
-#[path = "../common/times.rs"]
-mod times;
+#[path = "../common/random.rs"]
+mod runner;

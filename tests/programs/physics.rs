@@ -179,94 +179,30 @@ kernel! { /// Rounds are enough every second time.
     }
 }
 
-/// A task: what it is called below.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Task {
-    Add,
-    AddOther,
-    AddTick,
-    AddRead,
-    Drift,
-    See,
-    SeeLater,
-    SeeStep,
-    SeeExact,
-    SeeMost,
-    FindMost,
-    SeeOwn,
-    FindOwn,
-    Solve,
-    KeepOther,
-    SolveStep,
-    KeepValue,
-    ChangeValue,
-    KeepTick,
-    Halve,
-    Reduce,
-    Spread,
-    Count,
-    CountExact,
-}
-pub use Task::*;
+macro_rules! tasks {
+    (particles: $($p:ident in $pm:ident),*; others: $($n:ident in $nm:ident),*;) => {
+        /// A task: what it is called above.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum Task { $($p,)* $($n,)* }
+        pub use Task::*;
 
-/// All tasks.
-pub const TASKS: [Task; 24] = [
-    Add,
-    AddOther,
-    AddTick,
-    AddRead,
-    Drift,
-    See,
-    SeeLater,
-    SeeStep,
-    SeeExact,
-    SeeMost,
-    FindMost,
-    SeeOwn,
-    FindOwn,
-    Solve,
-    KeepOther,
-    SolveStep,
-    KeepValue,
-    ChangeValue,
-    KeepTick,
-    Halve,
-    Reduce,
-    Spread,
-    Count,
-    CountExact,
-];
+        /// All tasks.
+        pub const TASKS: &[Task] = &[$($p,)* $($n,)*];
 
-impl Task {
-    /// Adds it to a recipe, of a material if it runs over particles.
-    pub fn add_to(self, recipe: &mut Recipe, m: usize) {
-        match self {
-            Add => recipe.add(m, "", add::Add()),
-            AddOther => recipe.add(m, "", add_other::AddOther()),
-            AddTick => recipe.add(m, "", add_tick::AddTick()),
-            AddRead => recipe.add(m, "", add_read::AddRead()),
-            Drift => recipe.add(m, "", drift::Drift()),
-            See => recipe.add(m, "", see::See()),
-            SeeLater => recipe.add(m, "", see_later::SeeLater()),
-            SeeStep => recipe.add(m, "", see_step::SeeStep()),
-            SeeExact => recipe.add(m, "", see_exact::SeeExact()),
-            SeeMost => recipe.add(m, "", see_most::SeeMost()),
-            FindMost => recipe.add(m, "", find_most::FindMost()),
-            SeeOwn => recipe.add(m, "", see_own::SeeOwn()),
-            FindOwn => recipe.add(m, "", find_own::FindOwn()),
-            Solve => recipe.all("", solve::Solve()),
-            KeepOther => recipe.all("", keep_other::KeepOther()),
-            SolveStep => recipe.all("", solve_step::SolveStep()),
-            KeepValue => recipe.all("", keep_value::KeepValue()),
-            ChangeValue => recipe.all("", change_value::ChangeValue()),
-            KeepTick => recipe.all("", keep_tick::KeepTick()),
-            Halve => recipe.all("", halve::Halve()),
-            Reduce => recipe.all("", reduce::Reduce()),
-            Spread => recipe.all("", spread::Spread()),
-            Count => recipe.all("", count::Count()),
-            CountExact => recipe.all("", count_exact::CountExact()),
+        impl Task {
+            /// Adds it to a recipe, of a material if it runs over particles.
+            pub fn add_to(self, recipe: &mut Recipe, m: usize) {
+                match self {
+                    $($p => recipe.add(m, "", $pm::$p()),)*
+                    $($n => recipe.all("", $nm::$n()),)*
+                }
+            }
         }
-    }
+    };
+}
+tasks! {
+    particles: Add in add, AddOther in add_other, AddTick in add_tick, AddRead in add_read, Drift in drift, See in see, SeeLater in see_later, SeeStep in see_step, SeeExact in see_exact, SeeMost in see_most, FindMost in find_most, SeeOwn in see_own, FindOwn in find_own;
+    others: Solve in solve, KeepOther in keep_other, SolveStep in solve_step, KeepValue in keep_value, ChangeValue in change_value, KeepTick in keep_tick, Halve in halve, Reduce in reduce, Spread in spread, Count in count, CountExact in count_exact;
 }
 
 /// Lets rounds end.

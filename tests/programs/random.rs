@@ -1,10 +1,9 @@
 //! Random programs.
 use crate::physics::*;
 use crate::run::*;
-use crate::times::times;
+use crate::runner::runner;
 use engine::prelude::*;
 use proptest::prelude::*;
-use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
 /// Tasks of each graph, with a material; and whether the last graph is a loop.
 #[derive(Clone, Debug)]
@@ -36,7 +35,7 @@ impl Draft {
 }
 
 fn draft() -> impl Strategy<Value = Draft> {
-    let tasks = prop::collection::vec((prop::sample::select(&TASKS[..]), 0..2usize), 2..10);
+    let tasks = prop::collection::vec((prop::sample::select(TASKS), 0..2usize), 2..10);
     let graphs = prop::collection::vec(tasks, 1..=3);
     (graphs, prop::bool::weighted(0.3)).prop_map(|(graphs, is_loop)| Draft { graphs, is_loop })
 }
@@ -57,17 +56,8 @@ fn layout() -> impl Strategy<Value = Vec<u32>> {
 
 #[test]
 fn what_is_built_and_clean_has_the_same_bits_on_any_patches_and_ranks() {
-    let cases = 3_000 * times();
-    let most = u32::MAX;
-    let config = ProptestConfig {
-        cases,
-        max_global_rejects: most,
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    };
-    let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
     let input = (draft(), particles(), layout());
-    let run = runner.run(&input, |(draft, particles, of)| {
+    let run = runner(3_000).run(&input, |(draft, particles, of)| {
         let script = || draft.script();
         let program = build(script(), of.len());
         let works = |program: &Program| program.graphs().iter().any(|graph| graph.graph.node_count() > 0);

@@ -138,9 +138,8 @@ impl Warehouse {
         let cube = IndexBox { lower: [-apart; 3], upper: [apart + 1; 3] };
         let count = |m: usize| self.particles.iter().map(|patch| patch[m].blocks.len()).sum::<usize>();
         let counts: Vec<usize> = (0..homes.len()).map(count).collect();
-        let own = (0..homes.len()).filter(|&m| self.materials[m].interacts[m]);
-        for material in own.collect::<Vec<_>>() {
-            let blocks = self.particles.iter_mut().flat_map(|patch| &mut patch[material].blocks);
+        for (m, _) in self.materials.iter().enumerate().filter(|(m, material)| material.interacts[*m]) {
+            let blocks = self.particles.iter_mut().flat_map(|patch| &mut patch[m].blocks);
             blocks.for_each(|block| block.near = true);
         }
         for [a, b] in (0..homes.len()).flat_map(|a| (0..a).map(move |b| [a, b])) {

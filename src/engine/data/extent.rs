@@ -108,9 +108,8 @@ pub fn somebody_left(extent: &Extent, level: &Level, block: BlockIndex, half_siz
     (0..3).any(|axis| {
         let (least, most) = bounds(extent, axis);
         // nobody is in an extent whose bounds are the other way round
-        let ends = [least, most].into_iter().filter(|_| least <= most);
-        ends.into_iter()
-            .any(|y| out_of_reach(level, block, axis, y) || outside(level, axis, y, half_size[axis]))
+        let left = |y| out_of_reach(level, block, axis, y) || outside(level, axis, y, half_size[axis]);
+        least <= most && (left(least) || left(most))
     })
 }
 

@@ -9,6 +9,7 @@ use crate::data::particles::ParticleBlock;
 use crate::data::schedule::Schedule;
 use crate::data::warehouse::{MaterialData, NodePatch, ParticlePatch, Warehouse};
 use crate::data::workspace::recycle;
+use crate::graph::exchange::{Exchange, Way};
 use crate::graph::phase::{Phase, Stage, When};
 use grid::{Decomposition, Partition, Patch};
 use std::ops::Range;
@@ -198,6 +199,15 @@ pub fn acts(stage: &Stage, schedule: &Schedule) -> bool {
         When::Begin => schedule.begins(material),
         When::End => schedule.ends(material),
     })
+}
+
+/// Whether something of a material travels in an exchange in this tick.
+pub fn travels(exchange: &Exchange, schedule: &Schedule, material: usize) -> bool {
+    let acts = match exchange.way {
+        Way::Partials => schedule.begins(material),
+        Way::Values => schedule.ends(material),
+    };
+    acts && exchange.concerns(material)
 }
 
 /// A worker's scratch. Nobody else takes it while the worker works.

@@ -1,9 +1,9 @@
 //! The step that is replayed: its graph, and who acts in each of its ticks.
 use crate::simulation::rates;
 use engine::data::schedule::Schedule;
-use engine::exec::work::acts;
+use engine::exec::work::{acts, travels};
 use engine::graph::build::TaskGraph;
-use engine::graph::exchange::{Exchange, Way};
+use engine::graph::exchange::Exchange;
 use engine::graph::phase::Phase;
 use engine::graph::traffic::reduced_bytes;
 use scene::Scene;
@@ -76,10 +76,7 @@ impl Tick {
 
     /// Whether something of a material travels in an exchange.
     pub fn sends(&self, exchange: &Exchange, material: usize) -> bool {
-        match exchange.way {
-            Way::Partials => self.schedule.begins(material),
-            Way::Values => self.schedule.ends(material),
-        }
+        travels(exchange, &self.schedule, material)
     }
 
     /// Whether a step of the material begins or ends.

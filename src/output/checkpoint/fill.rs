@@ -8,7 +8,7 @@ use engine::data::layout::ParticleLayout;
 use engine::data::nodes::NodeBlock;
 use engine::data::particles::ParticleBlock;
 use engine::data::warehouse::Warehouse;
-use engine::schema::{LabelId, Life};
+use engine::schema::LabelId;
 use grid::BlockIndex;
 use simd::{LANES, Wide};
 use std::collections::BTreeMap;
@@ -172,10 +172,9 @@ fn block(
 }
 
 fn fill_shared(warehouse: &mut Warehouse, from: &Reader) -> output::Result<()> {
-    let carried = |(label, _): &(LabelId, &mut [Wide])| label.life() == Life::Carried;
-    for (label, column) in warehouse.shared.columns_mut().filter(carried) {
+    for label in warehouse.shared.carried().collect::<Vec<_>>() {
         let words = from.head.shared.iter().find(|(name, _)| name == label.name()).map(|(_, words)| words);
-        let lines: &mut [u64] = bytemuck::cast_slice_mut(column);
+        let lines: &mut [u64] = bytemuck::cast_slice_mut::<Wide, u64>(warehouse.shared.column_mut(label));
         match words {
             Some(words) if words.len() == lines.len() => lines.copy_from_slice(words),
             _ => return Err(from.wrong(format!("label {} is missing or of another size", label.name()))),

@@ -3,6 +3,7 @@ use super::{Channel, Network, NetworkError, pack, unpack};
 use crate::data::activate::FARTHEST;
 use crate::data::warehouse::Warehouse;
 use grid::{BlockIndex, Decomposition, IndexBox, Partition};
+use std::collections::BTreeSet;
 
 /// Another rank in sight, and its patches that are.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,16 +16,16 @@ pub struct Neighbor {
 
 /// The ranks that have blocks in sight of this one's, ascending.
 pub fn neighbors(decomposition: &Decomposition, partition: &Partition) -> Vec<Neighbor> {
+    let patches = &decomposition.patches;
+    let seen =
+        partition.mine().flat_map(|patch| decomposition.holders(patches[patch].blocks.grown(FARTHEST)));
+    let seen: BTreeSet<usize> = seen.filter(|patch| !partition.is_mine(*patch)).collect();
     let mut ranks: Vec<Neighbor> = Vec::new();
-    let mine: Vec<IndexBox> =
-        partition.mine().map(|patch| decomposition.patches[patch].blocks.grown(FARTHEST)).collect();
-    for patch in decomposition.patches.iter().filter(|patch| !partition.is_mine(patch.id)) {
-        if mine.iter().any(|seen| !seen.common(&patch.blocks).is_empty()) {
-            let rank = partition.rank_of(patch.id);
-            match ranks.iter_mut().find(|known| known.rank == rank) {
-                Some(known) => known.patches.push(patch.blocks),
-                None => ranks.push(Neighbor { rank, patches: vec![patch.blocks] }),
-            }
+    for patch in seen {
+        let (rank, blocks) = (partition.rank_of(patch), patches[patch].blocks);
+        match ranks.iter_mut().find(|known| known.rank == rank) {
+            Some(known) => known.patches.push(blocks),
+            None => ranks.push(Neighbor { rank, patches: vec![blocks] }),
         }
     }
     ranks.sort_by_key(|neighbor| neighbor.rank);

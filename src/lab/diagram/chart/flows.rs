@@ -10,7 +10,7 @@ pub(super) struct Flow {
     pub(super) from: usize,
     /// The graph that reads them.
     pub(super) to: usize,
-    /// Delay.
+    /// When they are read.
     pub(super) delay: Delay,
     /// The labels.
     pub(super) labels: Vec<LabelId>,

@@ -13,6 +13,7 @@ use super::{Channel, Network, NetworkError};
 use crate::data::particles::ParticleBlock;
 use crate::data::warehouse::{NodePatch, ParticlePatch, Warehouse};
 use crate::exec::stage::Context;
+use crate::exec::work::travels;
 use crate::graph::exchange::{Exchange, Way};
 use adder::{Adder, adders};
 use message::{Header, Reader, columns, width};
@@ -94,17 +95,15 @@ impl Halos {
         exchange: &Exchange,
         context: &Context<'_>,
     ) -> impl Iterator<Item = (usize, usize)> {
-        let schedule = context.schedule;
+        let travels = |material| travels(exchange, context.schedule, material);
         let most = move |it: &Halo| -> usize {
             match exchange.way {
                 Way::Partials => {
-                    let adders = it.adders_there.iter().filter(|adder| schedule.begins(adder.material));
-                    let adders = adders.filter(|adder| exchange.concerns(adder.material));
+                    let adders = it.adders_there.iter().filter(|adder| travels(adder.material));
                     adders.map(|adder| adder.most(exchange, context)).sum()
                 }
                 Way::Values => {
-                    let read = it.read_there.iter().filter(|read| schedule.ends(read.material));
-                    let read = read.filter(|read| exchange.concerns(read.material));
+                    let read = it.read_there.iter().filter(|read| travels(read.material));
                     read.map(|read| context.shape.node_count() * width(exchange, context, read.material))
                         .sum()
                 }
@@ -125,8 +124,8 @@ impl Halos {
     ) -> [usize; 2] {
         let mut sent = [0; 2];
         for halo in &self.0 {
-            let begins = |material| context.schedule.begins(material) && exchange.concerns(material);
-            let adders = halo.adders_here.iter().filter(|adder| begins(adder.material));
+            let begins = |adder: &&Adder| travels(exchange, context.schedule, adder.material);
+            let adders = halo.adders_here.iter().filter(begins);
             let sizes: Vec<(&Adder, usize)> =
                 adders.map(|adder| (adder, adder.size(exchange, context, particles))).collect();
             if sizes.is_empty() {
@@ -161,8 +160,8 @@ impl Halos {
         let mut reader = Reader { message, at: 0 };
         let halo = self.0.iter().find(|it| it.rank == rank);
         let adders = halo.map_or(&[][..], |it| &it.adders_there);
-        let begins = |material| context.schedule.begins(material) && exchange.concerns(material);
-        let mut adders = adders.iter().filter(|it| begins(it.material)).peekable();
+        let begins = |adder: &&Adder| travels(exchange, context.schedule, adder.material);
+        let mut adders = adders.iter().filter(begins).peekable();
         let mut pieces = Vec::new();
         for (patch, homes) in particles.iter_mut().enumerate() {
             if adders.peek().is_none_or(|adder| adder.place.0 != patch) {
@@ -196,8 +195,7 @@ impl Halos {
     ) -> [usize; 2] {
         let mut sent = [0; 2];
         for halo in &self.0 {
-            let ends =
-                |read: &&NodesRead| context.schedule.ends(read.material) && exchange.concerns(read.material);
+            let ends = |read: &&NodesRead| travels(exchange, context.schedule, read.material);
             let most = halo.read_here.iter().filter(ends);
             let most =
                 most.map(|it| context.shape.node_count() * width(exchange, context, it.material)).sum();
@@ -234,8 +232,7 @@ impl Halos {
     ) -> Result<(), NetworkError> {
         let mut reader = Reader { message, at: 0 };
         for halo in self.0.iter().filter(|it| it.rank == rank) {
-            let ends =
-                |read: &&NodesRead| context.schedule.ends(read.material) && exchange.concerns(read.material);
+            let ends = |read: &&NodesRead| travels(exchange, context.schedule, read.material);
             for read in halo.read_there.iter().filter(ends) {
                 let touched = read.nodes(&context.shape, &halo.adders_here, particles, exchange.whole);
                 let block = &mut nodes[read.place.0].blocks[read.place.1];
