@@ -22,10 +22,6 @@ pub struct Contact {
     pub rigid: Vec<bool>,
     /// Where surfaces lie, for each material.
     pub surfaces: Vec<SurfaceTable>,
-    /// The faces x−, x+, y−, y+, z−, z+ that are symmetry planes: a body that ends there has no surface there.
-    pub symmetric: [bool; 6],
-    /// Cells of the level along each axis.
-    pub cells: [usize; 3],
 }
 
 /// Two velocity fields that touch.
@@ -77,14 +73,12 @@ struct Side<'a> {
     velocity: [f64; 3],
     /// How long ago its particles gave what the node knows of its surface [s].
     elapsed: f64,
-    /// Axes across which the material goes on beyond the domain.
-    mirrored: [bool; 3],
 }
 
 impl Side<'_> {
     /// Σ V ∇S: points out of the material.
     fn outward(&self) -> [f64; 3] {
-        std::array::from_fn(|a| if self.mirrored[a] { 0.0 } else { self.surface.outward(a) })
+        std::array::from_fn(|a| self.surface.outward(a))
     }
 }
 
@@ -107,14 +101,12 @@ impl Contact {
                     continue;
                 }
                 let node = self.lattice.position(at.node_of(n));
-                let mirrored = self.mirrored(at.node_of(n));
                 let sides = [0, 1].map(|i| Side {
                     material: materials[i],
                     sums: &io.sums[lines[i]],
                     surface: &io.surfaces[lines[i]],
                     velocity: io.motion[lines[i]].velocity(),
                     elapsed: elapsed[i],
-                    mirrored,
                 });
                 let Some((exchange, masses)) = self.exchange(pair, &sides, node, io.bodies) else {
                     continue;
@@ -134,14 +126,6 @@ impl Contact {
                 sums.iter_mut().zip(pushed).for_each(|(sum, &x)| sum.add(x));
             }
         }
-    }
-
-    /// Axes on which the node lies on, or beyond, a symmetry plane.
-    fn mirrored(&self, node: [i32; 3]) -> [bool; 3] {
-        std::array::from_fn(|a| {
-            (self.symmetric[2 * a] && node[a] <= 0)
-                || (self.symmetric[2 * a + 1] && node[a] >= self.cells[a] as i32)
-        })
     }
 
     /// What the pair exchanges at a node, and the masses that took part; `None`: the surfaces do not touch.

@@ -2,7 +2,7 @@ use crate::labels::{ContactFlow as ContactFlowLabel, Mass, Position, Volume};
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// What contact needs to know of a surface: (mx)_I = Σ_p S_Ip m_p x_p and g_I = Σ_p V_p ∇S_Ip.
+/// What contact needs to know of a surface: (mx)_I = Σ_p S_Ip m_p x_p, with m_I, and g_I = Σ_p V_p ∇S_Ip.
 pub struct ContactFlow;
 
 engine::task! { NearParticles task ContactFlow {
@@ -16,10 +16,11 @@ impl Body for ContactFlow {
         let particles = io.mass.iter().zip(io.position.iter()).zip(io.volume.iter());
         for (((mass, x), volume), flow) in particles.zip(io.flow.iter_mut()) {
             let m = S::load(mass);
+            flow[0] = *mass;
             for axis in 0..3 {
-                (m * S::load(&x[axis])).store(&mut flow[axis]);
+                (m * S::load(&x[axis])).store(&mut flow[1 + axis]);
             }
-            flow[3] = *volume;
+            flow[4] = *volume;
         }
     }
 }

@@ -34,7 +34,7 @@ engine::labels! {
     Weights: Stencil          = chunk("1, 1/m", "S_Ip and its gradient, one axis at a time");
     MassFlow: [Wide; 4]       = chunk("kg, N s", "m_p, m_p v_p: what S_Ip distributes");
     StressFlow: [Wide; 7]     = chunk("J, m^3", "-V0 tau, V: what grad S_Ip (and S_Ip) distribute");
-    ContactFlow: [Wide; 4]    = chunk("m^3, kg m", "V_p, m_p x_p: what grad S_Ip and S_Ip distribute");
+    ContactFlow: [Wide; 5]    = chunk("kg, kg m, m^3", "m_p, m_p x_p, V_p: what S_Ip and grad S_Ip distribute");
     ScatterRows: NodeRows     = chunk("mixed", "the flows, one row a particle");
     GatherRows: NodeRows      = chunk("mixed", "gathered sums, one row a particle");
     GridVelocity: [Wide; 3]   = chunk("m/s", "sum_I S_Ip v_I");
@@ -43,7 +43,7 @@ engine::labels! {
     StiffnessBound: Wide      = chunk("Pa", "upper bound of rho0 c^2 in p");
 
     NodeSums: node::Sums      = node("mixed", "m, m v (3), f (3), V").partials(3);
-    ContactSums: node::Surface = node("mixed", "0, m x (3), sum V grad S (3), 0").partials(3).where_fields_meet();
+    ContactSums: node::Surface = node("mixed", "m, m x (3), sum V grad S (3), 0").partials(3).where_fields_meet();
     ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), 0, friction (3), 0")
                                     .lives(Step).where_fields_meet();
     NodeMotion: node::Motion  = node("m/s", "v (3), 0, change of v in this step (3), 0").values(3).lives(Step);

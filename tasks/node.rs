@@ -24,6 +24,26 @@ impl Sums {
     pub fn volume(&self) -> f64 {
         self.0.0[7]
     }
+    /// (m v)_I [N s]
+    #[inline(always)]
+    pub fn momentum(&self) -> [f64; 3] {
+        let [_, x, y, z, ..] = self.0.0;
+        [x, y, z]
+    }
+    /// Adds what particles gave to the image of this node beyond a face, with momentum and force turned by R.
+    #[inline(always)]
+    pub fn add_image(&mut self, image: &Sums, signs: [f64; 3]) {
+        for (lane, (sum, part)) in self.0.0.iter_mut().zip(image.0.0).enumerate() {
+            *sum += part * [1.0, signs[0], signs[1], signs[2], signs[0], signs[1], signs[2], 1.0][lane];
+        }
+    }
+    /// Takes away momentum and force along the axes that R turns.
+    #[inline(always)]
+    pub fn hold(&mut self, signs: [f64; 3]) {
+        for axis in (0..3).filter(|&axis| signs[axis] < 0.0) {
+            (self.0.0[1 + axis], self.0.0[4 + axis]) = (0.0, 0.0);
+        }
+    }
     /// (m v)_I, as the velocity of a [`Motion`] without a change.
     #[inline(always)]
     pub fn momentum_line<S: Simd>(&self) -> S {
@@ -37,7 +57,7 @@ impl Sums {
     }
 }
 
-/// Where the surface of one field lies near a node: 0, m x (3), Σ V ∇S (3), 0.
+/// Where the surface of one field lies near a node: m, m x (3), Σ V ∇S (3), 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Surface(pub Wide);
@@ -52,6 +72,20 @@ impl Surface {
     #[inline(always)]
     pub fn outward(&self, axis: usize) -> f64 {
         self.0.0[4 + axis]
+    }
+    /// Adds what particles gave to the image of this node beyond a mirror at `plane` [m] across `axis`.
+    #[inline(always)]
+    pub fn add_image(&mut self, image: &Surface, axis: usize, plane: f64) {
+        let mut mirrored = image.0.0;
+        mirrored[1 + axis] = 2.0 * plane * image.0.0[0] - image.0.0[1 + axis];
+        mirrored[4 + axis] = -image.0.0[4 + axis];
+        self.0.0.iter_mut().zip(mirrored).for_each(|(sum, part)| *sum += part);
+    }
+    /// A node on the mirror: what lies before it and its image have their center there, and no surface.
+    #[inline(always)]
+    pub fn center_on(&mut self, axis: usize, plane: f64) {
+        self.0.0[1 + axis] = plane * self.0.0[0];
+        self.0.0[4 + axis] = 0.0;
     }
 }
 
@@ -83,6 +117,13 @@ impl Motion {
     pub fn mean(&self) -> [f64; 3] {
         let [x, y, z, _, dx, dy, dz, _] = self.0.0;
         [x - 0.5 * dx, y - 0.5 * dy, z - 0.5 * dz]
+    }
+    /// How the image of the node beyond a face moves.
+    #[inline(always)]
+    pub fn image(&self, signs: [f64; 3]) -> Self {
+        let [x, y, z, _, dx, dy, dz, _] = self.0.0;
+        let [a, b, c] = signs;
+        Self(Wide([a * x, b * y, c * z, 0.0, a * dx, b * dy, c * dz, 0.0]))
     }
     /// Adds `dv` to the velocity, and to what particles will be told of the change.
     #[inline(always)]

@@ -9,7 +9,7 @@ use engine::data::schedule::FieldTime;
 use engine::data::workspace::{Workspace, no_columns};
 use engine::graph::task::{At, Runnable};
 use engine::schema::{Label, LabelId};
-use grid::{BlockShape, Lattice, Level, NODES};
+use grid::{BlockShape, IndexBox, Lattice, Level, NODES};
 use physics::contact::bonded::Bonded;
 use physics::contact::friction::{Criterion, Friction};
 use physics::contact::surface::SurfaceTable;
@@ -135,7 +135,14 @@ impl Nodes {
             step: 1e-2,
         };
         let fields: Vec<FieldTime> = self.present.iter().map(field).collect();
-        let at = At { origin, count: 0, node: [0; 3], nodes: NODES, fields: &fields };
+        let at = At {
+            origin,
+            count: 0,
+            node: [0; 3],
+            touched: IndexBox { lower: [0; 3], upper: [0; 3] },
+            nodes: NODES,
+            fields: &fields,
+        };
         let columns = no_columns(Vec::new(), SCHEMA.len());
         let mut space = Workspace { columns, chunk: 0..0, ahead: 0, widths: &[] };
         for (label, column) in &mut self.columns {
@@ -162,8 +169,6 @@ fn every_node_keeps_its_momentum_whoever_meets_there() {
                 least_mass: 1e-14,
                 rigid: vec![false; materials],
                 surfaces: vec![SurfaceTable::new(0.25, 0.25); materials],
-                symmetric: [false; 6],
-                cells: [4; 3],
             };
             let (mut worst, mut changed) = (0.0f64, 0);
             for isa in instruction_sets() {

@@ -241,8 +241,17 @@ fn step(scene: &Scene) -> TaskGraph {
 #[test]
 fn the_step_of_the_slab_is_two_sweeps_over_particles_around_one_over_nodes() {
     let graph = step(&common::problem("slab", &[]));
-    let gather = ["Weights", "Gather", "Stress", "Advance", "SignalSpeed"];
-    let scatter = ["Weights", "MassFlow", "StressFlow", "Scatter", "ContactFlow", "ContactScatter"];
+    let gather = ["Mirror", "Weights", "Gather", "Stress", "Advance", "SignalSpeed"];
+    let scatter = [
+        "Weights",
+        "MassFlow",
+        "StressFlow",
+        "Scatter",
+        "ContactFlow",
+        "ContactScatter",
+        "Fold",
+        "FoldSurfaces",
+    ];
     let nodes = [
         "NodalVelocity",
         "ContactBegin",
@@ -315,7 +324,7 @@ fn a_scene_has_the_tasks_that_it_asks_for_and_no_others() {
         ("load.gravity", "[0, 0, -9.81]", loads, "load"),
         ("load.damping", "3", loads, "load"),
         ("run.viscosity", "{}", &["Viscosity"], "run.viscosity"),
-        ("boundary.x-min", "fixed", &["Boundary"], "boundary"),
+        ("boundary.x-min", "fixed", &["Fold", "Boundary", "Mirror"], "boundary"),
         (
             "drive",
             "[{ material = \"soft\", region = { box = { lower = [2, 2, 2], upper = [3, 6, 6] } }, velocity = [0, 0, 1] }]",
@@ -364,7 +373,7 @@ fn the_table_and_json_have_each_task_once() {
     let scene = common::problem("slab-quick", &[]);
     let (graph, cycle) = (step(&scene), rates::at_rest(&scene));
     let tasks = graph.graph.node_count();
-    assert_eq!(tasks, 1 + 6 + 6 + 8 + 5 + 5 + 1);
+    assert_eq!(tasks, 1 + 8 + 8 + 8 + 6 + 6 + 1);
 
     let json = Shown { graph: &graph, cycle: &cycle }.to_json().to_string();
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");

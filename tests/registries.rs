@@ -107,7 +107,8 @@ fn contact_laws_exchange_opposite_impulses() {
     }
 }
 
-/// What a face has corrected it leaves alone; a mirror takes the velocity across it, and nothing else.
+/// What a face has corrected it leaves alone; one beyond which there is an image takes what the image turns, and
+/// nothing else.
 #[test]
 fn face_conditions_correct_once() {
     let mut random = Random(2);
@@ -120,9 +121,11 @@ fn face_conditions_correct_once() {
             let again = condition.correction(axis, time, held);
             assert!(norm(again) <= 1e-15 * (1.0 + norm(held)), "{name} changes {held:?} by {again:?}");
             acted |= norm(change) > 0.0;
-            if condition.is_mirror() {
-                let across: [f64; 3] = from_fn(|a| if a == axis { -v[a] } else { 0.0 });
-                assert_eq!(change, across, "{name}");
+            if let Some(image) = condition.image() {
+                let signs = image.signs(axis);
+                assert!(signs[axis] < 0.0, "{name}: matter would cross the face");
+                let turned: [f64; 3] = from_fn(|a| if signs[a] < 0.0 { -v[a] } else { 0.0 });
+                assert_eq!(change, turned, "{name}");
             }
         }
         assert_eq!(acted, condition.acts(), "{name}");

@@ -87,14 +87,9 @@ fn the_file_is_in_the_trace_event_format() {
     let complete = events.iter().filter(|event| event["ph"] == "X").count();
     assert_eq!(complete, 3 * 2 * 7 + 2 * 5 * (1 + 2));
     let has = |name: &str| events.iter().any(|event| event["name"] == name);
-    for name in [
-        "Weights … ContactScatter",
-        "halo: NodeSums, ContactSums",
-        "relocate",
-        "output",
-        "idle",
-        "bytes sent",
-    ] {
+    for name in
+        ["Weights … FoldSurfaces", "halo: NodeSums, ContactSums", "relocate", "output", "idle", "bytes sent"]
+    {
         assert!(has(name), "{name}");
     }
 }
@@ -110,7 +105,16 @@ fn what_is_written_is_read_and_more_than_one_message_arrives() {
     traced(&path, &graph, 2, 20_000);
     let measured = read(&path).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!((measured.steps, measured.lost), (2, 0));
-    let tasks = ["Weights", "MassFlow", "StressFlow", "Scatter", "ContactFlow", "ContactScatter"];
+    let tasks = [
+        "Weights",
+        "MassFlow",
+        "StressFlow",
+        "Scatter",
+        "ContactFlow",
+        "ContactScatter",
+        "Fold",
+        "FoldSurfaces",
+    ];
     let tissue = (tasks.map(str::to_owned).to_vec(), Some("tissue".to_owned()));
     let stage = sum(&measured, &About::Stage(tissue.0.clone(), tissue.1.clone()));
     assert_eq!(stage.events, 4 + 2 * 20_000);

@@ -5,9 +5,13 @@ use crate::contact::{Contact, FieldPair};
 use crate::contact_begin::ContactBegin;
 use crate::contact_power::ContactPower;
 use crate::drive::Drive;
+use crate::fold::Fold;
+use crate::fold_surfaces::FoldSurfaces;
+use crate::images::Images;
 use crate::labels::SCHEMA;
 use crate::load_power::LoadPower;
 use crate::loads::{LoadField, Loads};
+use crate::mirror::Mirror;
 use crate::reflection::Reflection;
 use crate::rigid::contact::RigidContact;
 use crate::rigid::follow::Follow;
@@ -99,6 +103,28 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// The faces beyond which matter goes on, if there are any.
+    fn images(&self) -> Option<Images> {
+        let faces = self.scene.faces.each_ref().map(|face| face.image());
+        let images = Images { faces, cells: self.scene.domain.cells };
+        (!images.is_empty()).then_some(images)
+    }
+
+    pub(super) fn fold(&mut self, material: usize) {
+        let Some(images) = self.images() else { return };
+        let pic = if self.rigid[material] { 0.0 } else { self.scene.run.pic };
+        self.add(material, "boundary", Fold { images: images.clone(), pic });
+        if self.touches(material) {
+            self.add(material, "boundary", FoldSurfaces { images, lattice: self.lattice });
+        }
+    }
+
+    pub(super) fn mirror(&mut self, material: usize) {
+        if let Some(images) = self.images() {
+            self.add(material, "boundary", Mirror { images });
+        }
+    }
+
     pub(super) fn rigid_velocity(&mut self) {
         if self.rigid.contains(&true) {
             let task = RigidVelocity { lattice: self.lattice, rigid: self.rigid.clone() };
@@ -132,8 +158,6 @@ impl<'a> Builder<'a> {
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
             surfaces: surfaces.collect(),
-            symmetric: self.scene.faces.each_ref().map(|face| face.is_mirror()),
-            cells: self.scene.domain.cells,
         };
         if self.rigid.contains(&true) {
             self.all("contact", RigidContact(task));

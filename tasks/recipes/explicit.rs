@@ -47,6 +47,7 @@ pub fn tick(scene: &Scene) -> Recipe {
             recipe.add(m, "contact", ContactFlow);
             recipe.add(m, "contact", ContactScatter);
         }
+        recipe.fold(m);
     }
 
     recipe.all("", NodalVelocity { least_mass: recipe.least_mass });
@@ -68,6 +69,7 @@ pub fn tick(scene: &Scene) -> Recipe {
     for m in 0..scene.materials.len() {
         match &scene.materials[m].behavior {
             Behavior::Deformable(law) => {
+                recipe.mirror(m);
                 recipe.weights(m);
                 recipe.add(m, "", Gather);
                 recipe.stress(m, law);

@@ -123,6 +123,40 @@ fn partial_sums_are_added_up_before_they_are_read() {
 }
 
 idle! {
+    Buffers change_added ChangeAdded { computes { sum: StageSum @ 3 } }
+    Buffers change_here ChangeHere { computes { sum: StageSum } }
+    Buffers adapt Adapt { adapts { value: TickValue @ 3 } }
+    Buffers adapt_sum AdaptSum { adapts { sum: StageSum @ 3 } }
+    Buffers adapt_and_change AdaptAndChange { adapts { value: TickValue @ 3 } computes { sum: StageSum @ 3 } }
+    Buffers see_charge SeeCharge { requires old { charge: Charge } computes { sum: StageSum @ 3 } }
+    Particles adapt_one AdaptOne { adapts { value: TickValue @ 3 } modifies { seen: Seen } }
+    Nodes adapt_nodes AdaptNodes { adapts { value: TickValue @ 0 } modifies { total: Total } }
+}
+
+#[test]
+fn buffers_hold_the_nodes_around_a_block() {
+    accepted([of(Add), of(ChangeAdded), all(Solve), of(Adapt), of(ReadValue)]);
+    refused([of(Add), of(ChangeHere), all(Solve), of(ReadValue)], &["ChangeHere[matter]", "without ghosts"]);
+    refused(
+        [of(Add), of(AdaptSum), all(Solve), of(ReadValue)],
+        &["AdaptSum[matter]", "give its row values(n)"],
+    );
+    refused(
+        [of(Add), of(SeeCharge), all(Solve), of(ReadValue)],
+        &["SeeCharge[matter] runs over buffers and declares Charge", "no particles"],
+    );
+    refused([of(Add), all(Solve), of(AdaptOne)], &["AdaptOne[matter] runs over particles and adapts"]);
+    refused(
+        [of(Add), all(Solve), all(AdaptNodes), of(ReadValue)],
+        &["AdaptNodes runs over nodes and adapts"],
+    );
+    refused(
+        [of(Add), all(Solve), of(AdaptAndChange), all(SolveStep)],
+        &["AdaptAndChange[matter] changes what particles have added and adapts TickValue", "two tasks"],
+    );
+}
+
+idle! {
     Particles drift Drift { computes { extent: Extent } modifies { x: Position } }
     Particles count Count { requires old { whole: Whole } computes { exact: RunExact } }
     Particles count_on CountOn { requires old { whole: Whole } computes { exact: RunExact } }

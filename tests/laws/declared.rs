@@ -6,7 +6,7 @@ use engine::data::reduction::clear;
 use engine::data::workspace::{Workspace, no_columns};
 use engine::graph::task::{At, Runnable};
 use engine::schema::{Home, Label, LabelId};
-use grid::{Level, NODES};
+use grid::{IndexBox, Level, NODES};
 use physics::law::{
     Declared, Energies, Kinematics, Law, MAX_COUNTS, MAX_EVENTS, Reference, Response, Variable, fits,
 };
@@ -130,7 +130,14 @@ impl Chunk {
             clear(label.combine(), self.column(label));
         }
         let origin = Level { lower: [0.0; 3], cell: 1.0, cells: [4; 3] }.origin([0; 3]);
-        let at = At { origin, count: PARTICLES, node: [0; 3], nodes: NODES, fields: &[] };
+        let at = At {
+            origin,
+            count: PARTICLES,
+            node: [0; 3],
+            touched: IndexBox { lower: [0; 3], upper: [0; 3] },
+            nodes: NODES,
+            fields: &[],
+        };
         let mut widths = vec![0; SCHEMA.len()];
         widths[History::ID.index()] = Swelling::HISTORY.len();
         let columns = no_columns(Vec::new(), SCHEMA.len());

@@ -30,6 +30,32 @@ fn crowd() -> Vec<Particle> {
 }
 
 #[test]
+fn what_blocks_have_added_is_changed_once_and_before_others_see_it() {
+    // half a charge at 7 and at 8
+    let add = [(AddTick, 0), (AddTick, 1), (RaiseTick, 0), (KeepTick, 0)];
+    everywhere(&add, &[(0, 7.5, 4.0, 0.0), (0, 8.5, 4.0, 0.0), (1, 7.5, 8.0, 0.0)], 1, |state| {
+        let kept = |node, field| state.nodes[&(node, field)][0];
+        let wanted = [0.3 * (2.0 * 1.07), 0.3 * (2.0 * 1.08 + 2.0 * 1.08), 0.3 * 4.0];
+        let near =
+            [kept(7, 0), kept(8, 0), kept(7, 1)].iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-14);
+        assert!(near, "{:?}", state.nodes);
+    });
+}
+
+#[test]
+fn nodes_are_adapted_for_the_tasks_after_that_alone() {
+    let add = [(Add, 0), (Solve, 0), (Tilt, 0), (See, 0), (Count, 0), (SeeLater, 1)];
+    everywhere(&add, &[(0, 7.5, 4.0, 0.0), (1, 7.5, 8.0, 0.0)], 1, |state| {
+        // 2 C, 10 and the number of the node at 7 and at 8; a tenth of the number more
+        let near = |found: f64, wanted: f64| (found - wanted).abs() < 1e-12;
+        assert!(near(state.particles[&0][1], 19.5 + 0.75), "{:?}", state.particles);
+        assert!(near(state.particles[&1][2], 17.5), "{:?}", state.particles);
+    });
+    let apart = [(Add, 0), (Solve, 0), (Tilt, 0), (See, 0), (Drift, 0), (SeeLater, 0)];
+    refused(&apart, &["SeeLater[a] requires Value, which Tilt[a] adapts", "list Tilt[a] again"]);
+}
+
+#[test]
 fn materials_may_come_in_any_order() {
     let add = [(AddTick, 1), (AddTick, 0), (KeepTick, 0)];
     everywhere(&add, &[(0, 7.5, 4.0, 0.0), (1, 7.5, 8.0, 0.0)], 1, |state| {

@@ -67,6 +67,30 @@ kernel! { /// Particles add what they read.
         io.sum[line].0[0] += s * io.value[line].0[0];
     })
 }
+macro_rules! raise {
+    ($task:ident in $module:ident: $label:ident) => {
+        kernel! { /// What a block has added grows with the place.
+            $task() in $module: Buffers { computes { sum: $label @ 3 } }
+            |_it, at, io| for node in at.touched.iter() {
+                io.sum[at.in_buffer(node)].0[0] *= 1.0 + 0.01 * f64::from(node[0]);
+            }
+        }
+    };
+}
+raise! { Raise in raise: Sum }
+raise! { RaiseTick in raise_tick: TickSum }
+macro_rules! tilt {
+    ($task:ident in $module:ident: $label:ident) => {
+        kernel! { /// The nodes that a block reads are raised with the place.
+            $task() in $module: Buffers { adapts { value: $label @ 3 } }
+            |_it, at, io| for node in at.touched.iter() {
+                io.value[at.in_buffer(node)].0[0] += 0.1 * f64::from(node[0]);
+            }
+        }
+    };
+}
+tilt! { Tilt in tilt: Value }
+tilt! { TiltStep in tilt_step: StepValue }
 kernel! { /// Particles move.
     Drift() in drift: Particles { requires old { way: Way } computes { extent: Extent } modifies { x: Position } }
     |_it, at, io| all(at, |t, l| {
@@ -201,7 +225,7 @@ macro_rules! tasks {
     };
 }
 tasks! {
-    particles: Add in add, AddOther in add_other, AddTick in add_tick, AddRead in add_read, Drift in drift, See in see, SeeLater in see_later, SeeStep in see_step, SeeExact in see_exact, SeeMost in see_most, FindMost in find_most, SeeOwn in see_own, FindOwn in find_own;
+    particles: Add in add, AddOther in add_other, AddTick in add_tick, Raise in raise, RaiseTick in raise_tick, Tilt in tilt, TiltStep in tilt_step, AddRead in add_read, Drift in drift, See in see, SeeLater in see_later, SeeStep in see_step, SeeExact in see_exact, SeeMost in see_most, FindMost in find_most, SeeOwn in see_own, FindOwn in find_own;
     others: Solve in solve, KeepOther in keep_other, SolveStep in solve_step, KeepValue in keep_value, ChangeValue in change_value, KeepTick in keep_tick, Halve in halve, Reduce in reduce, Spread in spread, Count in count, CountExact in count_exact;
 }
 

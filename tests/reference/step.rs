@@ -149,11 +149,12 @@ fn step_material(model: &Model, material: &Material, particles: Vec<&mut Particl
         for w in weights {
             let zero = V3::zeros();
             let empty = Node { mass: 0.0, momentum: zero, force: zero, v: zero, dv: zero };
-            let node = grid.entry(w.node).or_insert(empty);
+            let (index, turned) = within(model, w.node);
+            let node = grid.entry(index).or_insert(empty);
             node.mass += w.s * p.mass;
-            node.momentum += w.s * p.mass * p.v;
+            node.momentum += turned.component_mul(&(w.s * p.mass * p.v));
             // V σ = V0 τ
-            node.force -= p.initial_volume * p.kirchhoff * w.gradient;
+            node.force -= turned.component_mul(&(p.initial_volume * p.kirchhoff * w.gradient));
         }
     }
 
@@ -162,7 +163,8 @@ fn step_material(model: &Model, material: &Material, particles: Vec<&mut Particl
         if node.mass <= 1e-14 * lightest * model.h.powi(3) {
             continue; // it rests
         }
-        let before = node.momentum / node.mass;
+        let mut before = node.momentum / node.mass;
+        hold(model, index, &mut before);
         node.v = before + dt * node.force / node.mass + dt * (model.gravity - model.damping * before);
         hold(model, index, &mut node.v);
         node.dv = node.v - before;
@@ -172,10 +174,11 @@ fn step_material(model: &Model, material: &Material, particles: Vec<&mut Particl
     for (p, weights) in particles.into_iter().zip(&weights) {
         let (mut v, mut dv, mut l) = (V3::zeros(), V3::zeros(), M3::zeros());
         for w in weights {
-            let node = &grid[&w.node];
-            v += w.s * node.v;
-            dv += w.s * node.dv;
-            l += node.v * w.gradient.transpose();
+            let (index, turned) = within(model, w.node);
+            let node = &grid[&index];
+            v += w.s * turned.component_mul(&node.v);
+            dv += w.s * turned.component_mul(&node.dv);
+            l += turned.component_mul(&node.v) * w.gradient.transpose();
         }
         p.v = (1.0 - model.pic) * (p.v + dv) + model.pic * v;
         p.x += dt * v;
@@ -194,6 +197,26 @@ fn step_material(model: &Model, material: &Material, particles: Vec<&mut Particl
             p.kirchhoff -= M3::identity() * q;
         }
     }
+}
+
+/// The image within the domain of a node behind faces, and by what its vectors are multiplied to make those behind the faces: a
+/// mirror turns what is normal to it, matter that sticks to a face turns all.
+fn within(model: &Model, node: Index) -> (Index, V3) {
+    let (mut image, mut turned) = (node, V3::repeat(1.0));
+    for axis in 0..3 {
+        for (face, plane) in model.faces[axis].into_iter().zip([0, model.cells[axis]]) {
+            let behind = if plane == 0 { node[axis] < 0 } else { node[axis] > plane };
+            if !behind || face == Face::Free {
+                continue;
+            }
+            image[axis] = 2 * plane - node[axis];
+            match face {
+                Face::Fixed => turned *= -1.0,
+                _ => turned[axis] *= -1.0,
+            }
+        }
+    }
+    (image, turned)
 }
 
 /// What the faces do to the velocity of a node on or behind them.

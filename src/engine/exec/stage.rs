@@ -17,7 +17,7 @@ use crate::graph::phase::Stage;
 use crate::graph::recipe::{Recipe, RecipeLine};
 use crate::graph::task::{At, Domain, Mode, Runnable};
 use crate::schema::{Home, Life};
-use grid::{BlockShape, Level};
+use grid::{BlockIndex, BlockShape, IndexBox, Level};
 use simd::{Isa, LANES, Wide};
 
 /// What is the same for all blocks of a phase.
@@ -46,7 +46,8 @@ pub struct Context<'a> {
 impl Context<'_> {
     fn at(&self, index: [i32; 3]) -> At<'_> {
         let (node, nodes) = (self.shape.first_node(index), self.shape.node_count());
-        At { origin: self.level.origin(index), count: 0, node, nodes, fields: &[] }
+        let touched = IndexBox { lower: node, upper: node };
+        At { origin: self.level.origin(index), count: 0, node, nodes, touched, fields: &[] }
     }
 
     /// A span a task: at level TRACE, because a task runs for microseconds.
@@ -79,6 +80,10 @@ pub fn sweep<const METERED: bool>(
     load_regions(context, stage, nodes, block, &mut columns);
     laps.lap(part(StagePart::LoadRegion));
     let (count, tiles, near, index) = (block.count, block.tiles(), block.near, block.index);
+    let touched = match stage.before.is_empty() && stage.after.is_empty() {
+        true => IndexBox { lower: [0; 3], upper: [0; 3] },
+        false => in_level(&context.shape, index, extent::touched(&block.extent, context.level, index)),
+    };
     let Split { columns: own, partials, extent: bounds } = block.split(&data.layout);
     own.for_each(|(label, column)| columns[label.index()] = column);
     for (label, partial) in context.node_layout.partial().iter().zip(partials) {
@@ -95,20 +100,24 @@ pub fn sweep<const METERED: bool>(
     lend_shared(&mut columns, shared, Some(material));
     let mut space = Workspace { columns, chunk: 0..0, ahead: AHEAD, widths: &data.layout.widths };
     let mut at = context.at(index);
+    at.touched = touched;
     let traced = tracing::enabled!(tracing::Level::TRACE);
     laps.lap(part(StagePart::Setup));
+    let mut run = |entry, at: &At<'_>, space: &mut Workspace<'_>| {
+        let task = context.task(entry);
+        if near || task.declaration().domain != Domain::NearParticles {
+            let _span = traced.then(|| context.span(entry).entered());
+            task.run_on(context.isa, at, space);
+            laps.lap(What::Entry(entry));
+        }
+    };
+    stage.before.iter().for_each(|&entry| run(entry, &at, &mut space));
     for first in (0..tiles).step_by(CHUNK) {
         space.chunk = first..(first + CHUNK).min(tiles);
         at.count = (count - first * LANES).min(CHUNK * LANES);
-        for &entry in &stage.entries {
-            let task = context.task(entry);
-            if near || task.declaration().domain != Domain::NearParticles {
-                let _span = traced.then(|| context.span(entry).entered());
-                task.run_on(context.isa, &at, &mut space);
-                laps.lap(What::Entry(entry));
-            }
-        }
+        stage.chunks.iter().for_each(|&entry| run(entry, &at, &mut space));
     }
+    stage.after.iter().for_each(|&entry| run(entry, &at, &mut space));
     scratch.columns = recycle(space.columns);
     if widens {
         // here the extent is in cache
@@ -116,6 +125,13 @@ pub fn sweep<const METERED: bool>(
             && extent::somebody_left(&block.extent, context.level, block.index, data.half_size);
     }
     laps.end(&mut scratch.tally);
+}
+
+/// A part of a block's buffer in nodes of the level.
+fn in_level(shape: &BlockShape, block: BlockIndex, part: IndexBox) -> IndexBox {
+    let first = shape.first_of_buffer(block);
+    let moved = |corner: [i32; 3]| [0, 1, 2].map(|a| corner[a] + first[a]);
+    IndexBox { lower: moved(part.lower), upper: moved(part.upper) }
 }
 
 /// Buffers for what the stage adds to nodes, with nothing in them but what stages before have added to the same sums; those

@@ -4,8 +4,8 @@ use super::exchange::{self, Exchange};
 use super::fuse;
 use super::phase::Phase;
 use super::prune;
-use super::recipe::{Edge, Graph, Recipe, TaskNode, Why, everywhere};
-use super::task::{Access, Mode};
+use super::recipe::{Edge, Graph, Recipe, TaskNode, Why, everywhere, over_particles};
+use super::task::{Access, Domain, Mode};
 use super::usage;
 use crate::schema::{Combine, Home, LabelId, Life, Schema};
 use petgraph::stable_graph::NodeIndex;
@@ -118,6 +118,8 @@ impl TaskGraph {
 struct Slot {
     writers: Vec<NodeIndex>,
     readers: Vec<NodeIndex>,
+    /// Those of the readers that adapt copies of it.
+    adapters: Vec<NodeIndex>,
 }
 
 type Key = (LabelId, usize);
@@ -181,7 +183,7 @@ impl Derivation<'_> {
 
     fn add_access(&mut self, node: NodeIndex, access: &Access) -> Result<(), GraphError> {
         let keys = self.keys(node, access.label);
-        if access.mode == Mode::RequiresNew
+        if matches!(access.mode, Mode::RequiresNew | Mode::Adapts)
             && !keys.iter().any(|key| self.slots.get(key).is_some_and(|s| !s.writers.is_empty()))
         {
             return Err(self.missing(node, access.label));
@@ -193,9 +195,8 @@ impl Derivation<'_> {
     }
 
     fn add_to_slot(&mut self, node: NodeIndex, access: &Access, key: Key) -> Result<(), GraphError> {
-        let label = access.label;
-        let Slot { writers, readers } = self.slots.remove(&key).unwrap_or_default();
-        let mut slot = Slot { writers, readers };
+        let (label, domain) = (access.label, self.graph[node].declaration.domain);
+        let mut slot = self.slots.remove(&key).unwrap_or_default();
         let sums = label.combine() != Combine::None;
         if let Some(&writer) = slot.writers.last() {
             if access.mode == Mode::RequiresOld {
@@ -216,7 +217,22 @@ impl Derivation<'_> {
         for &writer in slot.writers.iter().filter(|_| access.mode.reads() || !sums) {
             self.graph.add_edge(writer, node, edge(why, access.ghost));
         }
+        if access.mode.reads() && over_particles(domain) {
+            for &adapter in &slot.adapters {
+                self.graph.add_edge(adapter, node, edge(Why::Flow, access.ghost));
+            }
+        }
+        if access.mode == Mode::Adapts {
+            slot.adapters.push(node);
+        }
+        if domain == Domain::Buffers && access.mode == Mode::Computes && label.home() == Home::Node {
+            // it changes what its block's particles have added: who reads the sums, reads its
+            for writer in slot.writers.drain(..) {
+                self.graph.add_edge(writer, node, edge(Why::Flow, 0));
+            }
+        }
         if access.mode.writes() {
+            slot.adapters.clear();
             for reader in slot.readers.drain(..).filter(|&r| r != node) {
                 self.graph.add_edge(reader, node, edge(Why::WriteAfterRead, 0));
             }

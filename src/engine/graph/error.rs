@@ -62,6 +62,16 @@ pub enum GraphError {
         /// Where.
         patches: String,
     },
+    /// A task reads nodes as they are, though another one has adapted them for its block in another stage.
+    #[error("{task} requires {}, which {adapter} adapts in the buffer of a block for its own stage alone: list {adapter} again before {task}", label.name())]
+    CopyEscapes {
+        /// The task that requires it.
+        task: String,
+        /// The label.
+        label: LabelId,
+        /// Who adapts it.
+        adapter: String,
+    },
     /// A task uses a label in a way for which there is no data where it runs.
     #[error("{task} {what} {}: {remedy}", label.name())]
     Misuse {

@@ -4,12 +4,12 @@
 //! between them stays in cache. A node label that particles fill needs all blocks first: it ends a stage. So does a task that
 //! moves particles, before one that has to do with nodes.
 use super::error::GraphError;
-use super::phase::{Phase, Stage, When};
-use super::recipe::{Graph, Recipe, TaskNode, Why, everywhere, over_particles};
-use super::task::{Access, Domain, Mode};
+use super::phase::{Phase, Stage};
+use super::recipe::{Edge, Graph, Recipe, TaskNode, Why, everywhere, over_particles};
+use super::task::{Access, Declaration, Domain, Mode};
 use crate::schema::Home;
 use petgraph::Direction;
-use petgraph::stable_graph::NodeIndex;
+use petgraph::stable_graph::{EdgeReference, NodeIndex};
 use petgraph::visit::EdgeRef;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -18,13 +18,14 @@ use std::ops::Range;
 pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> (Vec<Phase>, Vec<GraphError>) {
     let (mut stages, mut refusals): (Vec<Stage>, _) = (Vec::new(), Vec::new());
     for node in graph.node_indices() {
-        let (entry, material) = (graph[node].entry, graph[node].material);
-        let declared = recipe.entries[entry].task.declaration().domain;
+        let material = graph[node].material;
+        let declared = graph[node].declaration.domain;
         let domain = if over_particles(declared) { Domain::Particles } else { declared };
         let joins = stages.last().is_some_and(|s| {
             domain != Domain::Once
                 && (s.domain, s.material) == (domain, material)
                 && !needs_all_blocks(graph, node, s)
+                && !out_of_order(&graph[node], s, graph)
                 && !reads_and_reduces(&s.touched, graph[node].declaration.access)
                 && !(s.touches(recipe.schema.roles.extent, Mode::writes) && at_nodes(&graph[node]))
         });
@@ -32,13 +33,9 @@ pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> (Vec<Phase>, Vec<
             stages.push(Stage::new(domain, material));
         }
         let Some(stage) = stages.last_mut() else { continue };
-        stage.entries.push(entry);
-        stage.nodes.push(node);
-        graph[node].declaration.access.iter().for_each(|&access| merge(&mut stage.touched, access));
-        if domain == Domain::Particles && adds(graph[node].declaration.access) {
-            stage.when = When::Begin;
-        }
+        stage.push(node, &graph[node]);
         refusals.extend(check_chunk_labels(graph, node, stage, patches).err());
+        refusals.extend(check_copies(graph, node, stage).err());
     }
     (group(graph, recipe, stages), refusals)
 }
@@ -57,9 +54,43 @@ fn at_nodes(node: &TaskNode) -> bool {
     node.declaration.access.iter().any(|a| a.label.home() == Home::Node)
 }
 
-/// Whether a task over particles adds to nodes.
-fn adds(access: &[Access]) -> bool {
-    access.iter().any(|a| a.label.home() == Home::Node && a.mode.writes())
+/// Whether a task would run too early or too late in a stage: buffers are adapted before the chunks of particles, and what was
+/// added is changed after them.
+fn out_of_order(node: &TaskNode, stage: &Stage, graph: &Graph) -> bool {
+    let Declaration { domain, access, .. } = node.declaration;
+    let has = |label, test: fn(Mode) -> bool| access.iter().any(|a| a.label == label && test(a.mode));
+    let read_before = stage.touched.iter().any(|a| a.mode.reads() && has(a.label, |m| m == Mode::Adapts));
+    let changed = |n: &NodeIndex| {
+        let it = &graph[*n].declaration;
+        let mut writes = it.access.iter().filter(|a| a.mode.writes());
+        it.domain == Domain::Buffers && writes.any(|a| has(a.label, Mode::writes))
+    };
+    read_before || domain != Domain::Buffers && stage.nodes.iter().any(changed)
+}
+
+/// Whether an edge is about what a block has in its buffer, and needs no other block.
+fn in_buffer(graph: &Graph, edge: EdgeReference<'_, Edge>) -> bool {
+    let changes = |a: &Access| a.label == edge.weight().label && a.mode == Mode::Computes;
+    let target = &graph[edge.target()].declaration;
+    is_copy(graph, edge) || target.domain == Domain::Buffers && target.access.iter().any(changes)
+}
+
+/// Whether an edge is about the copy that its source has changed in the buffer of a block.
+fn is_copy(graph: &Graph, edge: EdgeReference<'_, Edge>) -> bool {
+    let mut access = graph[edge.source()].declaration.access.iter();
+    access.any(|a| a.label == edge.weight().label && a.mode == Mode::Adapts)
+}
+
+/// A copy in the buffer of a block is gone with the stage.
+fn check_copies(graph: &Graph, node: NodeIndex, stage: &Stage) -> Result<(), GraphError> {
+    let mut copies = graph
+        .edges_directed(node, Direction::Incoming)
+        .filter(|e| e.weight().why == Why::Flow && is_copy(graph, *e));
+    let escaped = copies.find(|e| !stage.nodes.contains(&e.source()));
+    escaped.map_or(Ok(()), |e| {
+        let (task, adapter) = (graph[node].name.clone(), graph[e.source()].name.clone());
+        Err(GraphError::CopyEscapes { task, label: e.weight().label, adapter })
+    })
 }
 
 /// Whether `node` depends on something that is complete only when `stage` has run on all blocks.
@@ -73,6 +104,7 @@ fn needs_all_blocks(graph: &Graph, node: NodeIndex, stage: &Stage) -> bool {
         stage.nodes.contains(&e.source())
             && e.weight().why == Why::Flow
             && complete_later(e.weight().label.home())
+            && !in_buffer(graph, e)
     })
 }
 
@@ -147,12 +179,4 @@ pub fn waves(phases: &[Phase]) -> Vec<Range<usize>> {
         }
     }
     waves
-}
-
-fn merge(touched: &mut Vec<Access>, access: Access) {
-    match touched.iter_mut().find(|a| a.label == access.label) {
-        Some(known) if !known.mode.writes() && access.mode.writes() => known.mode = Mode::Modifies,
-        Some(known) => known.ghost = known.ghost.max(access.ghost),
-        None => touched.push(access),
-    }
 }

@@ -1,6 +1,7 @@
 //! What runs: stages of fused tasks, and phases of stages that may run at the same time.
 use super::adders::Adders;
-use super::task::{Access, Domain, Mode};
+use super::recipe::TaskNode;
+use super::task::{Access, Declaration, Domain, Mode};
 use crate::schema::{Home, LabelId, Life, Schema};
 use petgraph::stable_graph::NodeIndex;
 use std::collections::BTreeSet;
@@ -14,7 +15,13 @@ pub struct Stage {
     pub material: Option<usize>,
     /// Their lines of the recipe, in order.
     pub entries: Vec<usize>,
-    /// Their nodes in the graph, in the same order.
+    /// Of them, those that adapt the buffer before its particles read it.
+    pub before: Vec<usize>,
+    /// Those that run chunk by chunk of particles, or on nodes, or once.
+    pub chunks: Vec<usize>,
+    /// Those that change what all particles of the block have added.
+    pub after: Vec<usize>,
+    /// Their nodes in the graph, in the order of `entries`.
     pub nodes: Vec<NodeIndex>,
     /// Labels touched, each once, with the strongest access.
     pub touched: Vec<Access>,
@@ -54,12 +61,16 @@ impl Stage {
     /// A stage without tasks.
     pub(super) fn new(domain: Domain, material: Option<usize>) -> Self {
         let (entries, nodes, touched, when) = (Vec::new(), Vec::new(), Vec::new(), When::End);
+        let [before, chunks, after] = [const { Vec::new() }; 3];
         let [adds, begins, reads, sums, releases] = [const { Vec::new() }; 5];
         let ([adders, kept], everywhere) = ([const { Adders::new() }; 2], false);
         Self {
             domain,
             material,
             entries,
+            before,
+            chunks,
+            after,
             nodes,
             touched,
             when,
@@ -72,6 +83,24 @@ impl Stage {
             unknown: BTreeSet::new(),
             releases,
             everywhere,
+        }
+    }
+
+    /// One more task, of a line of the recipe.
+    pub(super) fn push(&mut self, node: NodeIndex, task: &TaskNode) {
+        let Declaration { domain, access, .. } = task.declaration;
+        self.entries.push(task.entry);
+        self.nodes.push(node);
+        let order = match domain {
+            Domain::Buffers if access.iter().any(|a| a.mode.writes()) => &mut self.after,
+            Domain::Buffers => &mut self.before,
+            _ => &mut self.chunks,
+        };
+        order.push(task.entry);
+        access.iter().for_each(|&access| merge(&mut self.touched, access));
+        let adds = access.iter().any(|a| a.label.home() == Home::Node && a.mode.writes());
+        if self.domain == Domain::Particles && adds {
+            self.when = When::Begin;
         }
     }
 
@@ -148,5 +177,13 @@ impl Phase {
         self.afresh = reduced.filter(|&key| begun.insert(key)).collect();
         let writes_steps = |steps| self.stages.iter().any(|s| s.touches(steps, Mode::writes));
         self.decides = schema.steps().is_some_and(writes_steps);
+    }
+}
+
+fn merge(touched: &mut Vec<Access>, access: Access) {
+    match touched.iter_mut().find(|a| a.label == access.label) {
+        Some(known) if !known.mode.writes() && access.mode.writes() => known.mode = Mode::Modifies,
+        Some(known) => known.ghost = known.ghost.max(access.ghost),
+        None => touched.push(access),
     }
 }

@@ -96,9 +96,9 @@ pub struct TaskNode {
 /// The dependency graph over tasks.
 pub type Graph = StableDiGraph<TaskNode, Edge>;
 
-/// Whether the task runs over particles.
+/// Whether the task runs over particles, or what they add and read.
 pub fn over_particles(domain: Domain) -> bool {
-    matches!(domain, Domain::Particles | Domain::NearParticles)
+    matches!(domain, Domain::Particles | Domain::NearParticles | Domain::Buffers)
 }
 
 /// All of `patches` patches, in messages.

@@ -2,7 +2,7 @@
 use crate::data::schedule::FieldTime;
 use crate::data::workspace::Workspace;
 use crate::schema::{Combine, Home, LabelId};
-use grid::Origin;
+use grid::{IndexBox, Origin};
 use simd::{Isa, Job, Simd};
 
 /// What a task runs over.
@@ -12,6 +12,8 @@ pub enum Domain {
     Particles,
     /// As `Particles`, in blocks where a material with which theirs interacts may touch the same nodes.
     NearParticles,
+    /// The buffer of a block of particles, once a block: what all of them have added to nodes, or what they are about to read.
+    Buffers,
     /// The nodes of a block, all fields that touch it together.
     Nodes,
     /// Once a step.
@@ -27,7 +29,9 @@ pub enum Mode {
     RequiresNew,
     /// Reads the value as of this place in the recipe, whoever wrote it.
     Requires,
-    /// Writes it, whatever was there.
+    /// Reads what nodes have, and changes the copy in the block's buffer, for the tasks after it in its stage.
+    Adapts,
+    /// Writes it, whatever was there. Over buffers: changes what the block's particles have added to it.
     Computes,
     /// Reads and writes it.
     Modifies,
@@ -81,6 +85,8 @@ pub struct At<'a> {
     pub node: [i32; 3],
     /// Nodes of the block: how many tiles of each field follow one another in a column of nodes.
     pub nodes: usize,
+    /// For tasks over buffers: the nodes that the block's particles may touch, in nodes of the level.
+    pub touched: IndexBox,
     /// For node tasks: the fields whose nodes follow one another in each column.
     pub fields: &'a [FieldTime],
 }
@@ -98,6 +104,14 @@ impl At<'_> {
     pub fn node_of(&self, n: usize) -> [i32; 3] {
         let place = self.origin.shape.place(n);
         [0, 1, 2].map(|a| self.node[a] + place[a])
+    }
+
+    /// Where a node of the level lies in the block's buffer.
+    #[inline(always)]
+    pub fn in_buffer(&self, node: [i32; 3]) -> usize {
+        let shape = &self.origin.shape;
+        let line = |a: usize| (node[a] - self.node[a] + shape.below[a]) * shape.buffer_strides[a];
+        (line(0) + line(1) + line(2)) as usize
     }
 }
 
@@ -228,6 +242,7 @@ macro_rules! task {
         $(requires old { $($o:ident: $O:ident $(@ $old_ghost:literal)?),* $(,)? })?
         $(requires new { $($r:ident: $R:ident $(@ $ghost:literal)?),* $(,)? })?
         $(requires now { $($n:ident: $N:ident $(@ $now_ghost:literal)?),* $(,)? })?
+        $(adapts { $($a:ident: $A:ident @ $copied:literal),* $(,)? })?
         $(computes { $($c:ident: $C:ident $(@ $spread:literal)?),* $(,)? })?
         $(modifies { $($m:ident: $M:ident),* $(,)? })?
         $(scratch { $($s:ident: $S:ident),* $(,)? })?
@@ -245,6 +260,9 @@ macro_rules! task {
                 pub $n: $crate::data::view::Read<'a, <$N as $crate::schema::Label>::Tile>,)*)?
             $($(
                 #[allow(missing_docs)]
+                pub $a: $crate::data::view::Write<'a, <$A as $crate::schema::Label>::Tile>,)*)?
+            $($(
+                #[allow(missing_docs)]
                 pub $c: $crate::data::view::Write<'a, <$C as $crate::schema::Label>::Tile>,)*)?
             $($(
                 #[allow(missing_docs)]
@@ -260,6 +278,7 @@ macro_rules! task {
                 $($($crate::task!(@ $O RequiresOld $($old_ghost)?),)*)?
                 $($($crate::task!(@ $R RequiresNew $($ghost)?),)*)?
                 $($($crate::task!(@ $N Requires $($now_ghost)?),)*)?
+                $($($crate::task!(@ $A Adapts $copied),)*)?
                 $($($crate::task!(@ $C Computes $($spread)?),)*)?
                 $($($crate::task!(@ $M Modifies),)*)?
                 $($($crate::task!(@ $S Scratch),)*)?
@@ -269,16 +288,18 @@ macro_rules! task {
             fn bind<'a>(space: &'a mut $crate::data::workspace::Workspace<'_>) -> Io<'a> {
                 use $crate::schema::Label;
                 let window = $crate::data::workspace::Window::of(space);
-                let [$($($o,)*)? $($($r,)*)? $($($n,)*)? $($($c,)*)? $($($m,)*)? $($($s,)*)?] = space.columns
+                let [$($($o,)*)? $($($r,)*)? $($($n,)*)? $($($a,)*)? $($($c,)*)? $($($m,)*)? $($($s,)*)?] = space.columns
                     .get_disjoint_mut([
                         $($(const { $O::ID.index() },)*)? $($(const { $R::ID.index() },)*)? $($(const { $N::ID.index() },)*)?
-                        $($(const { $C::ID.index() },)*)? $($(const { $M::ID.index() },)*)? $($(const { $S::ID.index() },)*)?
+                        $($(const { $A::ID.index() },)*)? $($(const { $C::ID.index() },)*)? $($(const { $M::ID.index() },)*)?
+                        $($(const { $S::ID.index() },)*)?
                     ])
                     .expect("a declaration names each label once");
                 Io {
                     $($($o: window.read::<$O>($o),)*)?
                     $($($r: window.read::<$R>($r),)*)?
                     $($($n: window.read::<$N>($n),)*)?
+                    $($($a: window.write::<$A>($a),)*)?
                     $($($c: window.write::<$C>($c),)*)?
                     $($($m: window.write::<$M>($m),)*)?
                     $($($s: window.write::<$S>($s),)*)?

@@ -19,6 +19,14 @@ pub fn check(node: &TaskNode, access: &Access) -> Result<(), GraphError> {
     if let Some((what, remedy)) = misuse(domain, access) {
         return Err(GraphError::Misuse { task, label, what, remedy });
     }
+    let has = |mode: Mode| node.declaration.access.iter().any(|other| other.mode == mode);
+    if access.mode == Mode::Adapts && has(Mode::Computes) {
+        let (what, remedy) = (
+            "changes what particles have added and adapts",
+            "one is done after its particles, the other before: make two tasks of it",
+        );
+        return Err(GraphError::Misuse { task, label, what, remedy });
+    }
     if over_particles(domain) && label.home() == Home::Node && access.ghost == 0 {
         return Err(GraphError::NoGhosts { task, label, most: label.ghosts() });
     }
@@ -34,13 +42,26 @@ fn misuse(domain: Domain, access: &Access) -> Option<Misuse> {
         )),
         (Home::Run | Home::Material, _) => shared(access),
         (Home::Node, Domain::Nodes) => nodes(access),
+        (Home::Node, Domain::Buffers) if access.mode == Mode::Adapts => adapted(access),
         (Home::Node, _) => nodes_of_particles(access),
         (_, Domain::Nodes) => Some((
             "runs over nodes and declares",
             "there are no particles where it runs: let particles add to a label of nodes, with partials",
         )),
+        (_, Domain::Buffers) => Some((
+            "runs over buffers and declares",
+            "there are the nodes around a block, and no particles: let a task over particles declare it",
+        )),
         _ => None,
     }
+}
+
+fn adapted(access: &Access) -> Option<Misuse> {
+    let read = matches!(access.label.crossing(), Crossing::Values(_));
+    (!read).then_some((
+        "runs over buffers and adapts",
+        "particles do not read it there: give its row values(n), or compute it to change what they have added",
+    ))
 }
 
 /// Blocks and threads have copies of shared labels: only contributions come back.
@@ -54,6 +75,9 @@ fn shared(access: &Access) -> Option<Misuse> {
 
 fn nodes(access: &Access) -> Option<Misuse> {
     match access.mode {
+        Mode::Adapts => {
+            Some(("runs over nodes and adapts", "it has no copy of them: modify them where they are"))
+        }
         _ if access.ghost > 0 => Some((
             "runs over nodes and declares ghosts of",
             "it sees the nodes of its block alone: declare it without @",
@@ -69,6 +93,10 @@ fn nodes(access: &Access) -> Option<Misuse> {
 fn nodes_of_particles(access: &Access) -> Option<Misuse> {
     match (access.mode, access.label.crossing()) {
         (Mode::Computes, Crossing::Partials(_)) => None,
+        (Mode::Adapts, _) => Some((
+            "runs over particles and adapts",
+            "the buffer belongs to the whole block: let a task over buffers do it",
+        )),
         (Mode::Computes, _) => Some((
             "runs over particles and computes",
             "blocks have no partial sums of it: give its row partials(n)",

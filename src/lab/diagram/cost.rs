@@ -28,6 +28,7 @@ pub const ESTIMATE: &str = "estimated: 0.12 ns a particle and line that a task d
 fn nominal(task: &Declaration, material: Option<usize>, traffic: &Traffic) -> f64 {
     match task.domain {
         Domain::Once => ONCE,
+        Domain::Buffers => LOOK,
         Domain::Nodes => {
             NODE * task.access.iter().filter(|a| a.label.home() == Home::Node).count().max(1) as f64
         }
@@ -49,6 +50,7 @@ impl Diagram<'_> {
             Domain::Nodes => of(&self.traffic.nodes),
             Domain::NearParticles => of(&self.traffic.near),
             Domain::Particles => of(&self.traffic.particles),
+            Domain::Buffers => of(&self.traffic.blocks),
         }
     }
 

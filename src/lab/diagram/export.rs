@@ -40,8 +40,11 @@ impl Shown<'_> {
                 let _ = writeln!(out, "phase {number}: {how}{material}{when}");
                 for &node in &stage.nodes {
                     let declaration = &graph.graph[node].declaration;
-                    let near =
-                        if declaration.domain == Domain::NearParticles { " (near others)" } else { "" };
+                    let near = match declaration.domain {
+                        Domain::NearParticles => " (near others)",
+                        Domain::Buffers => " (once a block)",
+                        _ => "",
+                    };
                     let (reads, writes) = describe(declaration.access);
                     let _ = writeln!(out, "  {:<20}{reads} -> {writes}{near}", declaration.name);
                 }

@@ -1,5 +1,5 @@
 //! Matter that sticks to a face at rest.
-use super::condition::FaceCondition;
+use super::condition::{FaceCondition, Image};
 use crate::parameter::{Described, Parameter, Refusal, Values};
 
 /// v = 0
@@ -17,6 +17,10 @@ impl Described for Fixed {
 }
 
 impl FaceCondition for Fixed {
+    #[inline]
+    fn image(&self) -> Option<Image> {
+        Some(Image::Odd)
+    }
     #[inline]
     fn correction(&self, _axis: usize, _time: f64, velocity: [f64; 3]) -> [f64; 3] {
         velocity.map(|v| -v)

@@ -5,7 +5,7 @@ pub mod free;
 pub mod symmetric;
 pub mod velocity;
 
-pub use condition::FaceCondition;
+pub use condition::{FaceCondition, Image};
 
 use super::parameter::Entry;
 
@@ -23,8 +23,8 @@ macro_rules! registry {
                 match self { $(AnyFaceCondition::$variant(condition) => condition.acts()),* }
             }
             #[inline]
-            fn is_mirror(&self) -> bool {
-                match self { $(AnyFaceCondition::$variant(condition) => condition.is_mirror()),* }
+            fn image(&self) -> Option<Image> {
+                match self { $(AnyFaceCondition::$variant(condition) => condition.image()),* }
             }
             #[inline]
             fn correction(&self, axis: usize, time: f64, velocity: [f64; 3]) -> [f64; 3] {

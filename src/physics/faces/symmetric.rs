@@ -1,5 +1,5 @@
 //! A plane of symmetry.
-use super::condition::FaceCondition;
+use super::condition::{FaceCondition, Image};
 use crate::parameter::{Described, Parameter, Refusal, Values};
 
 /// v · n = 0
@@ -18,8 +18,8 @@ impl Described for Symmetric {
 
 impl FaceCondition for Symmetric {
     #[inline]
-    fn is_mirror(&self) -> bool {
-        true
+    fn image(&self) -> Option<Image> {
+        Some(Image::Mirror)
     }
     #[inline]
     fn correction(&self, axis: usize, _time: f64, velocity: [f64; 3]) -> [f64; 3] {

@@ -1,0 +1,29 @@
+use crate::images::Images;
+use crate::labels::NodeMotion;
+use crate::node::Motion;
+use engine::graph::task::{At, Body};
+use simd::Simd;
+
+/// v_g = R v_q, Δv_g = R Δv_q: nodes beyond a face move as their images do.
+pub struct Mirror {
+    /// The faces.
+    pub images: Images,
+}
+
+engine::task! { Buffers task Mirror {
+    adapts { motion: NodeMotion @ 3 }
+}}
+
+impl Body for Mirror {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        for motions in io.motion.chunks_exact_mut(at.origin.shape.buffer_len()) {
+            for face in self.images.reached(at) {
+                for (ghost, image) in face.ghosts() {
+                    let image = image.map(|image| motions[at.in_buffer(image)].image(face.signs));
+                    motions[at.in_buffer(ghost)] = image.unwrap_or(Motion::default());
+                }
+            }
+        }
+    }
+}
