@@ -8,7 +8,7 @@ use engine::data::exact_sum::ExactSum;
 use engine::data::rates::{Clock, MaterialStep};
 use engine::schema::Life::{Carried, Step};
 use engine::schema::{Label, Rates, Roles, Schema, block, chunk, material, node, particle, run};
-use physics::law::{MAX_COUNTS, MAX_EVENTS};
+use physics::law::{MAX_COUNTS, MAX_EVENTS, MAX_HISTORY};
 use shapes::{NodeRows, Stencil};
 use simd::Wide;
 
@@ -58,6 +58,8 @@ engine::labels! {
     RigidMotion: RigidState   = material("mixed", "state of a rigid body").lives(Carried);
     MaterialEnergy: [ExactSum; 5] = material("J", "kinetic, strain, plastic, fracture, viscous").exact();
     MaterialMotion: [ExactSum; 10] = material("mixed", "m, m v (3), m x (3), m x cross v (3)").exact();
+    MaterialExtent: [Wide; 6] = material("m", "max over p of x_p and of -x_p").largest();
+    LargestHistory: [Wide; MAX_HISTORY] = material("mixed", "max over p of what the law keeps").largest();
     StateCount: [ExactSum; MAX_COUNTS] = material("1", "particles in each state that the law counts").exact();
 
     Time: Clock               = run("s", "time, tick, and what limits it").lives(Carried);

@@ -153,9 +153,16 @@ fn all_refusals_are_reported_at_once() {
 
 #[test]
 fn shipped_scenes_are_clean() {
-    for name in
-        ["slab", "slab-150", "slab-coarse", "slab-quick", "slab-rigid", "sliding-block", "two-spheres"]
-    {
+    for name in [
+        "slab",
+        "slab-150",
+        "slab-coarse",
+        "slab-quick",
+        "slab-rigid",
+        "sliding-block",
+        "taylor-rod",
+        "two-spheres",
+    ] {
         for rates in ["common", "per-material"] {
             let scene = common::problem(name, &[("run.rates", rates)]);
             let (program, refusals) = sinew::lab::plan::inspect(&scene, 1);

@@ -79,6 +79,11 @@ fn sliding_block() {
     meets_expectations("sliding-block");
 }
 
+#[test]
+fn taylor_rod() {
+    meets_expectations("taylor-rod");
+}
+
 /// Impulses come in opposite pairs and act only on surfaces that approach and touch: nothing can pull the ball, and only
 /// tissue that flies faster can push it. What it gains once its tail has left the slab is below a ten-thousandth of its
 /// speed.

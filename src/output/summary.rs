@@ -134,6 +134,12 @@ pub struct MaterialSummary {
     pub mean_velocity_m_s: [f64; 3],
     /// Center of mass [m].
     pub center_of_mass_m: [f64; 3],
+    /// Lower and upper corner of the box around its particles [m], if there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extent_m: Option<[[f64; 3]; 2]>,
+    /// The largest of what its law keeps, such as `plastic_strain`, over its particles.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub largest: BTreeMap<String, f64>,
     /// Failed particles of this material over its particles, if its law knows failure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed_fraction: Option<Failed>,

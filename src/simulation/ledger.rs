@@ -6,14 +6,19 @@ use engine::data::shared::Shared;
 use engine::data::warehouse::{MaterialData, Warehouse};
 use engine::exec::traveler::Traveler;
 use engine::schema::{Label, LabelId};
-use physics::law::{MAX_COUNTS, MAX_EVENTS};
+use physics::law::{MAX_COUNTS, MAX_EVENTS, MAX_HISTORY};
 use scene::Scene;
 use simd::Wide;
 use tasks::labels;
 
 /// What the report graph computes.
-pub const REPORTED: &[LabelId] =
-    &[labels::MaterialEnergy::ID, labels::MaterialMotion::ID, labels::StateCount::ID];
+pub const REPORTED: &[LabelId] = &[
+    labels::MaterialEnergy::ID,
+    labels::MaterialMotion::ID,
+    labels::MaterialExtent::ID,
+    labels::StateCount::ID,
+    labels::LargestHistory::ID,
+];
 
 /// Energies of one material [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,6 +53,10 @@ pub struct MaterialReport {
     pub momentum: [f64; 3],
     /// Center of mass [m].
     pub center: [f64; 3],
+    /// The box around its particles [m]; `None` if there are none.
+    pub extent: Option<[[f64; 3]; 2]>,
+    /// The largest of what its law keeps, by the law's names.
+    pub largest: Vec<(&'static str, f64)>,
     /// Angular momentum about the origin [N m s].
     pub angular_momentum: [f64; 3],
     /// Particles in each state that its law counts, by the law's names.
@@ -260,6 +269,11 @@ impl Ledger {
         let energy = values(labels::MaterialEnergy::ID, 0..5);
         let motion = values(labels::MaterialMotion::ID, 0..10);
         let counts = values(labels::StateCount::ID, 0..MAX_COUNTS).into_iter().map(|count| count as u64);
+        let most = |line: &Wide| line.0.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let [x, y, z, left, front, below] =
+            shared.get::<[Wide; 6]>(labels::MaterialExtent::ID, material).each_ref().map(most);
+        let extent = [[-left, -front, -below], [x, y, z]];
+        let largest = shared.get::<[Wide; MAX_HISTORY]>(labels::LargestHistory::ID, material);
         let law = declared(&scene.materials[material].behavior);
         let first = self.first.get(material).copied().unwrap_or_default();
         let vector = |first: usize| [motion[first], motion[first + 1], motion[first + 2]];
@@ -275,6 +289,8 @@ impl Ledger {
             mass: motion[0],
             momentum: vector(1),
             center: vector(4).map(|c| if motion[0] > 0.0 { c / motion[0] } else { 0.0 }),
+            extent: extent.as_flattened().iter().all(|x| x.is_finite()).then_some(extent),
+            largest: law.history.iter().zip(&largest).map(|(it, line)| (it.name, most(line))).collect(),
             angular_momentum: vector(7),
             counts: law.counts.iter().copied().zip(counts).collect(),
             particles: blocks.map(|(_, b)| b.count as u64).sum(),

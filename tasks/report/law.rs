@@ -1,16 +1,17 @@
 use super::add_all;
-use crate::labels::{Deformation, History, InitialVolume, MaterialEnergy, StateCount};
+use crate::labels::{Deformation, History, InitialVolume, LargestHistory, MaterialEnergy, StateCount};
 use engine::graph::task::{At, Body};
 use physics::law::{Kinematics, Law, MAX_COUNTS, MAX_HISTORY};
 use physics::tensor::{determinant, increment};
 use simd::{Simd, load};
 
-/// Strain, plastic and fracture energy of one material, and its particles in each state that its law counts.
+/// Strain, plastic and fracture energy of one material, its particles in each state that its law counts, and the largest of what
+/// its law keeps.
 pub struct ReportLaw<L>(pub L);
 
 engine::task! { Particles task ReportLaw [L: Law] {
     requires old { initial_volume: InitialVolume, deformation: Deformation, history: History }
-    computes { energy: MaterialEnergy, counts: StateCount }
+    computes { energy: MaterialEnergy, counts: StateCount, largest: LargestHistory }
 }}
 
 impl<L: Law> Body for ReportLaw<L> {
@@ -31,6 +32,10 @@ impl<L: Law> Body for ReportLaw<L> {
             for (sum, density) in energy.iter_mut().zip(densities) {
                 // lanes without a particle have no volume, whatever their density is
                 *sum = v0.fma(S::select(at.lanes(tile), density, zero), *sum);
+            }
+            let nothing = S::splat(f64::NEG_INFINITY);
+            for (largest, h) in io.largest[0].iter_mut().zip(&h[..lines]) {
+                S::load(largest).max(S::select(at.lanes(tile), *h, nothing)).store(largest);
             }
             let states = self.0.counts(&h[..lines]);
             for state in 0..L::COUNTS.len() {

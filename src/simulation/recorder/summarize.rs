@@ -125,6 +125,12 @@ fn counts(m: &MaterialReport) -> BTreeMap<String, serde_json::Value> {
     all.into_iter().collect()
 }
 
+/// The largest of what its law keeps, as far as that is a number.
+fn largest(m: &MaterialReport) -> BTreeMap<String, f64> {
+    let numbers = m.largest.iter().filter(|(_, number)| number.is_finite());
+    numbers.map(|&(name, number)| (name.to_owned(), number)).collect()
+}
+
 fn materials(simulation: &Simulation, report: &Report) -> BTreeMap<String, MaterialSummary> {
     let pairs = simulation.scene.materials.iter().zip(&report.materials);
     let one = |m: &MaterialReport| MaterialSummary {
@@ -132,6 +138,8 @@ fn materials(simulation: &Simulation, report: &Report) -> BTreeMap<String, Mater
         mass_kg: m.mass,
         mean_velocity_m_s: m.velocity(),
         center_of_mass_m: m.center,
+        extent_m: m.extent,
+        largest: largest(m),
         failed_fraction: failures::known(m).then(|| failures::fractions(&[m])),
         more: counts(m),
     };
