@@ -1,7 +1,7 @@
-use super::work::Work;
-use crate::labels::{BoundaryWork, NodeMotion, NodeSums, Time};
+use crate::labels::{NodeMotion, NodeSums, Reactions, Time};
+use crate::reactions::Reaction;
 use engine::graph::task::{At, Body};
-use grid::{BLOCK, NODES};
+use grid::{BLOCK, Lattice, NODES};
 use physics::faces::{AnyFaceCondition, FaceCondition};
 use simd::Simd;
 
@@ -9,6 +9,10 @@ use simd::Simd;
 pub struct Boundary {
     /// On x−, x+, y−, y+, z−, z+.
     pub faces: [AnyFaceCondition; 6],
+    /// Their tiles of `Reactions`.
+    pub tiles: [usize; 6],
+    /// Where nodes are.
+    pub lattice: Lattice,
     /// Cells of the level along each axis.
     pub cells: [usize; 3],
     /// Which materials are rigid: faces do not hold them.
@@ -17,7 +21,7 @@ pub struct Boundary {
 
 engine::task! { Nodes task Boundary {
     requires new { time: Time, sums: NodeSums }
-    computes { work: BoundaryWork }
+    computes { reactions: Reactions }
     modifies { motion: NodeMotion }
 }}
 
@@ -36,22 +40,22 @@ impl Body for Boundary {
         let reached = |face: &usize| {
             self.faces[*face].acts() && (self.holds(*face, at.node) || self.holds(*face, last))
         };
-        if !(0..6).any(|face| reached(&face)) {
-            return;
-        }
         let time = io.time[0].time + io.time[0].tick;
-        let mut work = Work::default();
-        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
-        for ((sums, motions), _) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material]) {
-            for (n, (sum, motion)) in sums.iter().zip(motions).enumerate() {
-                let node = at.node_of(n);
-                for face in (0..6).filter(|&face| self.holds(face, node)) {
-                    let dv = self.faces[face].correction(face / 2, time, motion.velocity());
-                    motion.add(dv);
-                    work.add(sum.mass(), motion.mean(), dv);
+        for face in (0..6).filter(reached) {
+            let mut reaction = Reaction::default();
+            let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
+            for ((sums, motions), _) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material]) {
+                for (n, (sum, motion)) in sums.iter().zip(motions).enumerate() {
+                    let node = at.node_of(n);
+                    if self.holds(face, node) {
+                        let dv = self.faces[face].correction(face / 2, time, motion.velocity());
+                        motion.add(dv);
+                        let impulse = dv.map(|dv| sum.mass() * dv);
+                        reaction.add(self.lattice.position(node), impulse, motion.mean());
+                    }
                 }
             }
+            reaction.store(&mut io.reactions[self.tiles[face]]);
         }
-        work.store(&mut io.work[0]);
     }
 }

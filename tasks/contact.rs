@@ -1,5 +1,6 @@
-use crate::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums};
+use crate::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, Reactions};
 use crate::node::{Impulse, Motion, Sums, Surface};
+use crate::reactions::{NUMBERS, Reaction};
 use crate::rigid::state::RigidState;
 use engine::data::exact_sum::ExactSum;
 use engine::data::fields::FieldId;
@@ -33,10 +34,13 @@ pub struct FieldPair {
     pub law: AnyContactLaw,
     /// Contact acts only while the gap between the surfaces is below this many cells.
     pub gap: f64,
+    /// Its tile of `Reactions`.
+    pub tile: usize,
 }
 
 engine::task! { Nodes task Contact {
     requires new { sums: NodeSums, surfaces: ContactSums }
+    computes { reactions: Reactions }
     modifies { motion: NodeMotion, impulse: ContactImpulse }
 }}
 
@@ -44,8 +48,9 @@ impl Body for Contact {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let (bodies, on_bodies) = (&[][..], &mut [][..]);
-        let Io { sums, surfaces, motion, impulse } = &mut io;
-        self.exchange_all(at, &mut Meeting { sums, surfaces, motion, impulse, bodies, on_bodies });
+        let Io { sums, surfaces, motion, impulse, reactions } = &mut io;
+        let mut meeting = Meeting { sums, surfaces, motion, impulse, reactions, bodies, on_bodies };
+        self.exchange_all(at, &mut meeting);
     }
 }
 
@@ -59,6 +64,8 @@ pub struct Meeting<'a> {
     pub motion: &'a mut [Motion],
     /// `ContactImpulse`
     pub impulse: &'a mut [Impulse],
+    /// `Reactions`
+    pub reactions: &'a mut [[ExactSum; NUMBERS]],
     /// `RigidMotion`; empty where no material is rigid.
     pub bodies: &'a [RigidState],
     /// `RigidImpulse`; empty where no material is rigid.
@@ -94,7 +101,7 @@ impl Contact {
             let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
             let materials = [at.fields[a].material, at.fields[b].material];
             let elapsed = [at.fields[a].elapsed, at.fields[b].elapsed];
-            let mut pushed = [[0.0; 6]; 2];
+            let (mut pushed, mut reaction) = ([[0.0; 6]; 2], Reaction::default());
             for n in 0..NODES {
                 let lines = [NODES * a + n, NODES * b + n];
                 if lines.iter().any(|&line| io.sums[line].mass() <= self.least_mass) {
@@ -111,6 +118,9 @@ impl Contact {
                 let Some((exchange, masses)) = self.exchange(pair, &sides, node, io.bodies) else {
                     continue;
                 };
+                let given = std::array::from_fn(|a| exchange.normal[a] + exchange.friction[a]);
+                // how the matter moves meanwhile is known at the end of the step: see `ContactPower`
+                reaction.add(node, given, [0.0; 3]);
                 for (i, sign) in [(0, 1.0), (1, -1.0)] {
                     let impulse = std::array::from_fn(|a| sign * (exchange.normal[a] + exchange.friction[a]));
                     io.impulse[lines[i]].add(sign, exchange.normal, exchange.friction);
@@ -121,6 +131,7 @@ impl Contact {
                     }
                 }
             }
+            reaction.store(&mut io.reactions[pair.tile]);
             for (i, pushed) in pushed.iter().enumerate().filter(|(i, _)| self.rigid[materials[*i]]) {
                 let sums: &mut [ExactSum; 6] = &mut io.on_bodies[materials[i]];
                 sums.iter_mut().zip(pushed).for_each(|(sum, &x)| sum.add(x));

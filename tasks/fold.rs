@@ -1,59 +1,65 @@
-use super::work::Work;
-use crate::images::Images;
-use crate::labels::{BoundaryWork, NodeSums, OwnStep};
+use crate::images::{Images, Reached};
+use crate::labels::{NodeSums, OwnStep, Reactions};
 use crate::node::Sums;
+use crate::reactions::Reaction;
 use engine::graph::task::{At, Body};
+use grid::Lattice;
 use simd::Simd;
 
 /// m_q += m_g, p_q += R p_g, f_q += R f_g, V_q += V_g: what a block's particles gave to nodes g beyond a face goes to their
 /// images q. Nodes on the face keep what they have (half of what they and their image would have together), but do not move where
-/// R turns.
+/// R turns. What that changes of momentum and force, the face gives; at rest, it does no work.
 pub struct Fold {
     /// The faces.
     pub images: Images,
+    /// Their tiles of `Reactions`.
+    pub tiles: [usize; 6],
+    /// Where nodes are.
+    pub lattice: Lattice,
     /// β, see `Advance`: the share of the nodes' momentum that particles take over.
     pub pic: f64,
 }
 
 engine::task! { Buffers task Fold {
     requires new { step: OwnStep }
-    computes { sums: NodeSums @ 3, work: BoundaryWork }
+    computes { sums: NodeSums @ 3, reactions: Reactions }
 }}
 
 impl Body for Fold {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        if self.images.reached(at).next().is_none() {
-            return;
-        }
-        let (mut force, mut momentum) = ([0.0; 3], [0.0; 3]);
-        let mut count = |sign: f64, sums: &Sums| {
-            for a in 0..3 {
-                force[a] += sign * sums.force()[a];
-                momentum[a] += sign * sums.momentum()[a];
+        let dt = io.step[0].size;
+        for face in self.images.reached(at) {
+            let mut reaction = Reaction::default();
+            for sums in io.sums.chunks_exact_mut(at.origin.shape.buffer_len()) {
+                self.fold(at, &face, dt, sums, &mut reaction);
             }
+            reaction.store(&mut io.reactions[self.tiles[face.face]]);
+        }
+    }
+}
+
+impl Fold {
+    fn fold(&self, at: &At<'_>, face: &Reached, dt: f64, sums: &mut [Sums], reaction: &mut Reaction) {
+        let mut count = |node: [i32; 3], sign: f64, sums: &Sums| {
+            let (force, momentum) = (sums.force(), sums.momentum());
+            let impulse = [0, 1, 2].map(|a| sign * (dt * force[a] + self.pic * momentum[a]));
+            reaction.add(self.lattice.position(node), impulse, [0.0; 3]);
         };
-        for sums in io.sums.chunks_exact_mut(at.origin.shape.buffer_len()) {
-            for face in self.images.reached(at) {
-                for (ghost, image) in face.ghosts() {
-                    let given = std::mem::take(&mut sums[at.in_buffer(ghost)]);
-                    count(-1.0, &given);
-                    let Some(image) = image else { continue };
-                    let image = &mut sums[at.in_buffer(image)];
-                    count(-1.0, image);
-                    image.add_image(&given, face.signs);
-                    count(1.0, image);
-                }
-                for node in face.on.iter() {
-                    let node = &mut sums[at.in_buffer(node)];
-                    count(-1.0, node);
-                    node.hold(face.signs);
-                    count(1.0, node);
-                }
-            }
+        for (ghost, image) in face.ghosts() {
+            let given = std::mem::take(&mut sums[at.in_buffer(ghost)]);
+            count(ghost, -1.0, &given);
+            let Some(image) = image else { continue };
+            let sum = &mut sums[at.in_buffer(image)];
+            count(image, -1.0, sum);
+            sum.add_image(&given, face.signs);
+            count(image, 1.0, sum);
         }
-        // a face at rest does no work
-        let impulse = std::array::from_fn(|a| io.step[0].size * force[a] + self.pic * momentum[a]);
-        Work { work: 0.0, impulse }.store(&mut io.work[0]);
+        for node in face.on.iter() {
+            let sum = &mut sums[at.in_buffer(node)];
+            count(node, -1.0, sum);
+            sum.hold(face.signs);
+            count(node, 1.0, sum);
+        }
     }
 }

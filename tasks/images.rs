@@ -41,6 +41,23 @@ impl Images {
         self.faces.iter().all(Option::is_none)
     }
 
+    /// The image within the domain of a node, and the diagonal of all R on the way: itself and 1 within the domain.
+    #[inline]
+    pub fn within(&self, node: [i32; 3]) -> ([i32; 3], [f64; 3]) {
+        let (mut image, mut signs) = (node, [1.0; 3]);
+        for face in 0..6 {
+            let Some(here) = self.faces[face] else { continue };
+            let (axis, last) = (face / 2, self.cells[face / 2] as i32);
+            let plane = if face.is_multiple_of(2) { 0 } else { last };
+            if (plane == 0 && image[axis] < 0) || (plane > 0 && image[axis] > last) {
+                image[axis] = 2 * plane - image[axis];
+                let turned = here.signs(axis);
+                signs = [0, 1, 2].map(|a| signs[a] * turned[a]);
+            }
+        }
+        (image, signs)
+    }
+
     /// The faces within reach of the particles of a block.
     #[inline(always)]
     pub fn reached<'a>(&'a self, at: &At<'_>) -> impl Iterator<Item = Reached> + use<'a> {

@@ -3,6 +3,7 @@
 //! To the right of the tile (eight particles, one node, or one material of the quantity): home, unit, symbol, and what differs
 //! from the usual of such labels. See [`engine::schema`].
 use crate::node;
+use crate::reactions::NUMBERS;
 use crate::rigid::state::RigidState;
 use engine::data::exact_sum::ExactSum;
 use engine::data::rates::{Clock, MaterialStep};
@@ -43,6 +44,8 @@ engine::labels! {
     StiffnessBound: Wide      = chunk("Pa", "upper bound of rho0 c^2 in p");
 
     NodeSums: node::Sums      = node("mixed", "m, m v (3), f (3), V").partials(3);
+    DriveSums: node::Driven   = node("kg, N s", "mass that drives hold (3), 0, what they give it (3), 0").partials(3);
+    DriveGift: node::Gift     = node("N s/kg, m/s", "what drives gave, a mass that they hold (3), 0, (v0 + v)/2 (3), 0").values(3);
     ContactSums: node::Surface = node("mixed", "m, m x (3), sum V grad S (3), 0").partials(3).where_fields_meet();
     ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), 0, friction (3), 0")
                                     .lives(Step).where_fields_meet();
@@ -66,7 +69,8 @@ engine::labels! {
     StepOver: Wide            = run("1", "1 where all materials are together again: the step is over").lives(Step);
     ContactWork: [ExactSum; 2] = run("J", "kinetic energy lost in contact: by friction, by impact").exact();
     TransferLoss: ExactSum    = run("J", "kinetic energy that nodes gain and particles do not").exact();
-    BoundaryWork: [ExactSum; 4] = run("J, N s", "work of boundaries, drives and loads on the matter, and their impulse").exact();
+    Reactions: [ExactSum; NUMBERS] = run("N s, N m s, J", "impulse (3), its torque about the origin (3) and work of each giver")
+                                    .exact().several();
 }
 
 /// All labels, and those that the engine reads.

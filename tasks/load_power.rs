@@ -1,14 +1,18 @@
 use super::loads::LoadField;
-use super::work::Work;
-use crate::labels::{BoundaryWork, NodeMotion, NodeSums, OwnStep};
+use crate::labels::{NodeMotion, NodeSums, OwnStep, Reactions};
+use crate::reactions::Reaction;
 use engine::graph::task::{At, Body};
-use grid::NODES;
+use grid::{Lattice, NODES};
 use simd::Simd;
 
 /// Work of gravity and damping, with the mean velocity of the whole step (see `ContactPower`).
 pub struct LoadPower {
     /// What acts.
     pub field: LoadField,
+    /// Its tile of `Reactions`.
+    pub tile: usize,
+    /// Where nodes are.
+    pub lattice: Lattice,
     /// Mass below which a node carries nothing [kg].
     pub least_mass: f64,
     /// Which materials are rigid: they take their loads as a whole.
@@ -17,19 +21,23 @@ pub struct LoadPower {
 
 engine::task! { Nodes task LoadPower {
     requires new { step: OwnStep, sums: NodeSums, motion: NodeMotion }
-    computes { work: BoundaryWork }
+    computes { reactions: Reactions }
 }}
 
 impl Body for LoadPower {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let mut work = Work::default();
+        let mut reaction = Reaction::default();
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact(NODES)).zip(at.fields);
         for ((sums, motions), field) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material]) {
-            for (sum, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.mass() > self.least_mass) {
-                work.add(sum.mass(), motion.mean(), self.field.change(motion, field.step));
+            for (n, (sum, motion)) in sums.iter().zip(motions).enumerate() {
+                if sum.mass() > self.least_mass {
+                    let dv = self.field.change(motion, field.step);
+                    let impulse = dv.map(|dv| sum.mass() * dv);
+                    reaction.add(self.lattice.position(at.node_of(n)), impulse, motion.mean());
+                }
             }
         }
-        work.store(&mut io.work[0]);
+        reaction.store(&mut io.reactions[self.tile]);
     }
 }

@@ -89,6 +89,59 @@ impl Surface {
     }
 }
 
+/// What drives prescribe to a node: the mass that they hold along each axis (3), 0, and the momentum that they give it (3), 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Driven(pub Wide);
+
+impl Driven {
+    /// Along each axis [kg].
+    #[inline(always)]
+    pub fn mass(&self) -> [f64; 3] {
+        let [x, y, z, ..] = self.0.0;
+        [x, y, z]
+    }
+    /// Along each axis [N s].
+    #[inline(always)]
+    pub fn momentum(&self) -> [f64; 3] {
+        let [_, _, _, _, x, y, z, _] = self.0.0;
+        [x, y, z]
+    }
+    /// Adds a mass that is to move at `v` along the axes that count.
+    #[inline(always)]
+    pub fn add(&mut self, mass: f64, along: [bool; 3], v: [f64; 3]) {
+        for axis in (0..3).filter(|&axis| along[axis]) {
+            self.0.0[axis] += mass;
+            self.0.0[4 + axis] += mass * v[axis];
+        }
+    }
+}
+
+/// What drives gave to a node: along each axis, for each mass that they hold [N s/kg] (3), 0; the mean velocity of the step (3), 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Gift(pub Wide);
+
+impl Gift {
+    /// What was given, and how the node moved [m/s].
+    #[inline(always)]
+    pub fn new([x, y, z]: [f64; 3], [u, v, w]: [f64; 3]) -> Self {
+        Self(Wide([x, y, z, 0.0, u, v, w, 0.0]))
+    }
+    /// For each mass that drives hold [N s/kg].
+    #[inline(always)]
+    pub fn share(&self) -> [f64; 3] {
+        let [x, y, z, ..] = self.0.0;
+        [x, y, z]
+    }
+    /// (v⁰ + v)/2 [m/s]
+    #[inline(always)]
+    pub fn mean(&self) -> [f64; 3] {
+        let [_, _, _, _, x, y, z, _] = self.0.0;
+        [x, y, z]
+    }
+}
+
 /// How one field moves at a node: v (3), 0, Δv (3), 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]

@@ -1,4 +1,4 @@
-use crate::labels::BoundaryWork;
+use crate::labels::Reactions;
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
@@ -6,7 +6,7 @@ use simd::Simd;
 pub struct Reflection;
 
 engine::task! { Once task Reflection {
-    computes { work: BoundaryWork }
+    computes { reactions: Reactions }
 }}
 
 impl Body for Reflection {

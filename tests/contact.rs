@@ -2,14 +2,14 @@
 mod common;
 
 use common::{
-    Overrides, Random, finish, instruction_sets, minus, momentum, norm, problem, run, scene, start,
+    Overrides, Random, finish, instruction_sets, minus, momentum, norm, place, problem, run, scene, start,
 };
 use engine::data::fields::FieldId;
 use engine::data::schedule::FieldTime;
 use engine::data::workspace::{Workspace, no_columns};
-use engine::graph::task::{At, Runnable};
+use engine::graph::task::Runnable;
 use engine::schema::{Label, LabelId};
-use grid::{BlockShape, IndexBox, Lattice, Level, NODES};
+use grid::{BlockShape, Lattice, Level, NODES};
 use physics::contact::bonded::Bonded;
 use physics::contact::friction::{Criterion, Friction};
 use physics::contact::surface::SurfaceTable;
@@ -135,16 +135,11 @@ impl Nodes {
             step: 1e-2,
         };
         let fields: Vec<FieldTime> = self.present.iter().map(field).collect();
-        let at = At {
-            origin,
-            count: 0,
-            node: [0; 3],
-            touched: IndexBox { lower: [0; 3], upper: [0; 3] },
-            nodes: NODES,
-            fields: &fields,
-        };
+        let at = place(origin, 0, &fields);
         let columns = no_columns(Vec::new(), SCHEMA.len());
+        let mut reactions = vec![Wide::default(); labels::Reactions::ID.width()];
         let mut space = Workspace { columns, chunk: 0..0, ahead: 0, widths: &[] };
+        space.columns[labels::Reactions::ID.index()] = &mut reactions;
         for (label, column) in &mut self.columns {
             space.columns[label.index()] = column;
         }
@@ -163,7 +158,7 @@ fn every_node_keeps_its_momentum_whoever_meets_there() {
             let task = Contact {
                 pairs: pairs
                     .iter()
-                    .map(|between| FieldPair { between: between.map(FieldId::new), law, gap: 0.0 })
+                    .map(|between| FieldPair { between: between.map(FieldId::new), law, gap: 0.0, tile: 0 })
                     .collect(),
                 lattice,
                 least_mass: 1e-14,

@@ -47,7 +47,7 @@ fn shared(task: impl Runnable + 'static) -> Line {
 fn graph<const N: usize>(lines: [Line; N]) -> Result<TaskGraph, GraphError> {
     let entries = lines.map(|(material, task)| RecipeLine { task, material, because: String::new() });
     let recipe =
-        Recipe { schema: &SCHEMA, entries: entries.into(), materials: vec!["wood".into(), "iron".into()] };
+        Recipe { entries: entries.into(), ..Recipe::new(&SCHEMA, vec!["wood".into(), "iron".into()]) };
     TaskGraph::build(recipe, &[Velocity::ID, Position::ID, Volume::ID, Time::ID], 4)
 }
 
@@ -196,7 +196,7 @@ fn build(lines: Vec<Line>, outputs: &[LabelId]) -> TaskGraph {
     let entries =
         lines.into_iter().map(|(material, task)| RecipeLine { task, material, because: String::new() });
     let recipe =
-        Recipe { schema: &SCHEMA, entries: entries.collect(), materials: vec!["wood".into(), "iron".into()] };
+        Recipe { entries: entries.collect(), ..Recipe::new(&SCHEMA, vec!["wood".into(), "iron".into()]) };
     TaskGraph::build(recipe, outputs, 1).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -328,7 +328,7 @@ fn a_scene_has_the_tasks_that_it_asks_for_and_no_others() {
         (
             "drive",
             "[{ material = \"soft\", region = { box = { lower = [2, 2, 2], upper = [3, 6, 6] } }, velocity = [0, 0, 1] }]",
-            &["Drive"],
+            &["DriveScatter", "DriveNodes", "Drive"],
             "drive",
         ),
     ] {

@@ -33,7 +33,7 @@ fn build(lines: Vec<(Option<usize>, Box<dyn Runnable>)>) -> (TaskGraph, Vec<Grap
     let entries =
         lines.into_iter().map(|(material, task)| RecipeLine { task, material, because: String::new() });
     let recipe =
-        Recipe { schema: &SCHEMA, entries: entries.collect(), materials: vec!["wood".into(), "iron".into()] };
+        Recipe { entries: entries.collect(), ..Recipe::new(&SCHEMA, vec!["wood".into(), "iron".into()]) };
     TaskGraph::inspect(recipe, &[Velocity::ID, Position::ID, Time::ID], 4)
 }
 

@@ -19,7 +19,6 @@ use sinew::simulation::Simulation;
 use sinew::simulation::layout::level;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Barrier, Mutex};
-use tasks::labels::SCHEMA;
 use tasks::recipes;
 
 /// By material and block: the lowest and highest base node on each axis.
@@ -102,7 +101,11 @@ fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
         let named = |pairs: &Between, bytes: &dyn Fn(usize, usize, LabelId, usize) -> u64| -> Counted {
             let mut named = Counted::new();
             let keys = || {
-                SCHEMA.labels().flat_map(|label| (0..shown.scene.materials.len()).map(move |m| (label, m)))
+                shown
+                    .program
+                    .labels()
+                    .into_iter()
+                    .flat_map(|label| (0..shown.scene.materials.len()).map(move |m| (label, m)))
             };
             for (&(from, to), (label, material)) in
                 pairs.keys().flat_map(|pair| keys().map(move |key| (pair, key)))

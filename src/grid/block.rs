@@ -158,6 +158,16 @@ pub struct Origin {
     pub shape: BlockShape,
 }
 
+impl Origin {
+    /// The node of a line of the buffer, in nodes of the level.
+    #[inline]
+    pub fn node_at(&self, line: usize) -> [i32; 3] {
+        let ([sx, sy, _], line) = (self.shape.buffer_strides, line as i32);
+        let place = [line / sx, line % sx / sy, line % sy];
+        std::array::from_fn(|a| self.node[a] as i32 + if self.shape.is_collapsed(a) { 0 } else { place[a] })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -37,7 +37,7 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
         bodies: collect(root.get("body"), |node| body(node, &materials))?,
         contacts: contacts(root.get("contact"), &materials)?,
         faces: face_conditions(root.get("boundary"))?,
-        drives: collect(root.get("drive"), |node| drive(node, &materials))?,
+        drives: drives(root.get("drive"), &materials, root.get("body"))?,
         gravity: load.get("gravity").vector(),
         damping: load.get("damping").number(),
         run: run(root.get("run")),
@@ -105,7 +105,7 @@ fn rigid_motion(name: &str, given: &Node) -> Outcome<RigidMotion> {
                 .help("give the velocity at the start to the body, or set `motion = \"prescribed\"`"))
         }
         (_, velocity) => {
-            let velocity = velocity.map_or_else(|| Table(vec![(0.0, [0.0; 3])]), choose::motion);
+            let velocity = velocity.map_or_else(|| Table(vec![(0.0, [0.0; 3])]), choose::in_time);
             Ok(RigidMotion::Prescribed { velocity, angular_velocity })
         }
     }
@@ -199,12 +199,78 @@ fn face_conditions(given: &Node) -> Outcome<[AnyFaceCondition; 6]> {
     Ok([a?, b?, c?, d?, e?, f?])
 }
 
-fn drive(given: &Node, materials: &[Material]) -> Outcome<Drive> {
+fn drives(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Drive>> {
+    let mut drives: Vec<Drive> = Vec::new();
+    for (number, node) in given.items().iter().enumerate() {
+        let drive = drive(node, number, materials, bodies)?;
+        if drives.iter().any(|other| other.name == drive.name) {
+            let place = node.find("name").unwrap_or(node).place;
+            return Err(Fault::new(place, format!("there are two drives named {:?}", drive.name))
+                .help("give each drive a name of its own"));
+        }
+        drives.push(drive);
+    }
+    Ok(drives)
+}
+
+fn drive(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> Outcome<Drive> {
+    let material = material_index(given.get("material"), materials)?;
+    if let Behavior::Rigid(_) = materials[material].behavior {
+        let name = &materials[material].name;
+        let message = format!("material {name:?} is rigid: a drive cannot move a part of it");
+        return Err(Fault::new(given.get("material").place, message)
+            .help(format!("set `material.{name}.motion = \"prescribed\"` with its velocity")));
+    }
+    let components = given.get("components").word();
     Ok(Drive {
-        material: material_index(given.get("material"), materials)?,
-        region: solid(given.get("region"))?,
-        velocity: choose::motion(given.get("velocity")),
+        name: given.find("name").map_or_else(|| number.to_string(), |name| name.word().to_owned()),
+        material,
+        region: region(given, material, materials, bodies)?,
+        motion: motion(given)?,
+        components: ["x", "y", "z"].map(|axis| components.contains(axis)),
+        until: given.find("until").map_or(f64::INFINITY, Node::number),
     })
+}
+
+/// The part of a material that a table means by `region` or `body`.
+fn region(given: &Node, material: usize, materials: &[Material], bodies: &Node) -> Outcome<Region> {
+    match (given.find("region"), given.find("body")) {
+        (None, None) => Ok(Region::All),
+        (Some(shape), None) => solid(shape).map(Region::Solid),
+        (Some(_), Some(body)) => Err(Fault::new(body.place, "both `region` and `body` are given")
+            .help("keep one: the region of a body is what lies in both, an `intersection` of shapes")),
+        (None, Some(body)) => {
+            let name = body.word();
+            let of = |node: &Node| node.get("name").word().to_owned();
+            let Some(index) = bodies.items().iter().position(|node| of(node) == name) else {
+                let names: Vec<String> = bodies.items().iter().map(of).collect();
+                return Err(Fault::new(body.place, format!("there is no body {name:?}"))
+                    .help(suggestion(name, names.iter().map(String::as_str))));
+            };
+            let made_of = bodies.items()[index].get("material").word();
+            if made_of != materials[material].name {
+                let message =
+                    format!("body {name:?} is made of {made_of:?}, not of {:?}", materials[material].name);
+                return Err(Fault::new(body.place, message).help("change `material` or `body`"));
+            }
+            Ok(Region::Body(index))
+        }
+    }
+}
+
+/// A rigid motion, by `velocity` or `displacement`, `angular-velocity` and `center`.
+fn motion(given: &Node) -> Outcome<Motion> {
+    let course = match (given.find("velocity"), given.find("displacement")) {
+        (None, None) => Course::rest(),
+        (Some(velocity), None) => Course::Velocity(choose::in_time(velocity)),
+        (None, Some(displacement)) => Course::Displacement(choose::in_time(displacement)),
+        (Some(_), Some(displacement)) => {
+            return Err(Fault::new(displacement.place, "both `velocity` and `displacement` are given")
+                .help("keep one: each says where the center is"));
+        }
+    };
+    let spin = choose::in_time(given.get("angular-velocity"));
+    Ok(Motion { course, spin, center: given.get("center").vector() })
 }
 
 fn run(given: &Node) -> Run {

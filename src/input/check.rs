@@ -33,7 +33,7 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
         (Form::Vector(dimension, length), Data::List(items)) if items.len() == *length => {
             list(items, &super::form::any(*dimension), path)?
         }
-        (Form::Motion, Data::List(items)) => motion(items, node.place, path)?,
+        (Form::InTime(dimension), Data::List(items)) => in_time(items, *dimension, node.place, path)?,
         (Form::Table(fields), Data::Table(entries)) => table(entries, fields, node.place, path)?,
         (Form::Parameters(parameters), Data::Table(entries)) => {
             let fields: Vec<_> = parameters.iter().map(Field::from).collect();
@@ -176,17 +176,19 @@ fn list(items: &[Node], form: &Form, path: &str) -> Outcome<Data> {
 }
 
 /// A vector, or rows with ascending times.
-fn motion(items: &[Node], place: Place, path: &str) -> Outcome<Data> {
-    let velocity = Form::Vector(Dimension::Velocity, 3);
+fn in_time(items: &[Node], dimension: Dimension, place: Place, path: &str) -> Outcome<Data> {
+    let form = Form::Vector(dimension, 3);
     if !items.iter().any(|item| matches!(item.data, Data::List(_))) {
-        return complete(&Node { data: Data::List(items.to_vec()), place, given: true }, &velocity, path)
+        return complete(&Node { data: Data::List(items.to_vec()), place, given: true }, &form, path)
             .map(|node| node.data);
     }
     let mut rows = Vec::new();
     let mut last = f64::NEG_INFINITY;
     for (i, row) in items.iter().enumerate() {
         let path = dotted(path, &i.to_string());
-        let [time, vector @ ..] = row.items() else { return Err(wrong_type(row, &Form::Motion, &path)) };
+        let [time, vector @ ..] = row.items() else {
+            return Err(wrong_type(row, &Form::InTime(dimension), &path));
+        };
         if vector.len() != 3 {
             let message = format!("`{path}` must be a row [time, x, y, z], not {} values", vector.len() + 1);
             return Err(Fault::new(row.place, message));
@@ -198,7 +200,7 @@ fn motion(items: &[Node], place: Place, path: &str) -> Outcome<Data> {
         }
         last = time.number();
         let vector = Node { data: Data::List(vector.to_vec()), ..*row };
-        let vector = complete(&vector, &velocity, &path)?;
+        let vector = complete(&vector, &form, &path)?;
         let values = std::iter::once(time).chain(vector.items().to_vec()).collect();
         rows.push(Node { data: Data::List(values), ..*row });
     }

@@ -33,8 +33,8 @@ pub(super) fn either<T>(entries: &[Entry<T>], given: &Node, path: &str) -> Outco
     finish(entry, &values, given, path)
 }
 
-/// A velocity in time, from a vector or from rows.
-pub(super) fn motion(given: &Node) -> Table {
+/// A vector in time, from a vector or from rows.
+pub(super) fn in_time(given: &Node) -> Table {
     let row = |row: &Node| {
         let [t, x, y, z] = row.vector();
         (t, [x, y, z])
@@ -56,7 +56,7 @@ fn take(values: &mut Values, parameter: &Parameter, given: &Node) {
         Kind::Number { .. } => drop(values.numbers.insert(key, given.number())),
         Kind::Choice(_) => drop(values.choices.insert(key, given.word().to_owned())),
         Kind::Flag(_) => drop(values.flags.insert(key, given.flag())),
-        Kind::Motion => drop(values.motions.insert(key, motion(given))),
+        Kind::Motion => drop(values.motions.insert(key, in_time(given))),
     }
 }
 

@@ -41,8 +41,7 @@ pub(super) static SCENE: &[Field] = &[
         "drive",
         Form::List(&Form::Table(DRIVE)),
         Absent::Empty,
-        "Regions of particles whose \
-        velocity is prescribed.",
+        "Regions of matter whose motion is prescribed: grips. The nodes that they touch move with them.",
     ),
     Field::with_default("load", Form::Table(LOAD), Absent::Empty, "What acts on all matter."),
     Field::required("run", Form::Table(RUN), "Numerics."),
@@ -76,7 +75,7 @@ static RIGID_FIELDS: &[Field] = &[
     ),
     Field::optional(
         "velocity",
-        Form::Motion,
+        Form::InTime(Velocity),
         "Velocity of the center of mass in time (prescribed motion only; \
         absent: at rest).",
     ),
@@ -178,14 +177,42 @@ const fn face(key: &'static str, meaning: &'static str) -> Field {
 }
 
 static DRIVE: &[Field] = &[
+    Field::optional("name", Form::Text, "Its name in `history.csv`; absent: its number, from 0."),
     Field::required("material", Form::Material, "The material whose particles are driven."),
-    Field::required(
+    Field::optional(
         "region",
         Form::Other(&SHAPE),
-        "Particles that lie in this shape at the start are driven.",
+        "Particles that lie in this shape at the start are driven; absent: all of the body or of the material.",
     ),
-    Field::required("velocity", Form::Motion, "Their velocity in time."),
+    Field::optional(
+        "body",
+        Form::Text,
+        "The name of a body whose particles are driven, instead of a region.",
+    ),
+    Field::optional("velocity", Form::InTime(Velocity), "Velocity of the center in time; absent: at rest."),
+    Field::optional(
+        "displacement",
+        Form::InTime(Length),
+        "Displacement of the center in time, instead of a velocity.",
+    ),
+    Field::with_default(
+        "angular-velocity",
+        Form::InTime(AngularVelocity),
+        ZERO,
+        "Angular velocity about the center in time. Over a step particles turn as a rigid body does.",
+    ),
+    Field::with_default("center", POINT, ZERO, "The center at the start: it moves along."),
+    Field::with_default(
+        "components",
+        Form::Choice(COMPONENTS),
+        Absent::Word("xyz"),
+        "Along which axes the motion is prescribed: the matter is free along the others.",
+    ),
+    Field::optional("until", positive(Time), "When the matter is released; absent: never."),
 ];
+
+/// Words of `drive.components`.
+pub(super) const COMPONENTS: &[&str] = &["x", "y", "z", "xy", "xz", "yz", "xyz"];
 
 static LOAD: &[Field] = &[
     Field::with_default("gravity", Form::Vector(Acceleration, 3), ZERO, "Acceleration of all matter."),

@@ -51,8 +51,8 @@ pub(super) enum Form {
     Pair,
     /// As many numbers of one dimension.
     Vector(Dimension, usize),
-    /// A velocity: a vector, or rows of time and vector, linear in between.
-    Motion,
+    /// A vector of a dimension in time: one vector, or rows of time and vector, linear in between.
+    InTime(Dimension),
     Table(&'static [Field]),
     /// Any number of items.
     List(&'static Form),
@@ -161,7 +161,7 @@ impl From<&Parameter> for Field {
                 (Form::Choice(words), words.first().map_or(Absent::Refused, |word| Absent::Word(word)))
             }
             Kind::Flag(default) => (Form::Flag, Absent::Flag(default)),
-            Kind::Motion => (Form::Motion, Absent::Refused),
+            Kind::Motion => (Form::InTime(Dimension::Velocity), Absent::Refused),
         };
         Self { key: parameter.key, form, absent, meaning: parameter.meaning }
     }
@@ -248,7 +248,7 @@ impl Form {
             Form::Material => "the name of a material".into(),
             Form::Pair => "an array of the names of two materials".into(),
             Form::Vector(_, length) => format!("an array of {length} numbers"),
-            Form::Motion => "a vector or an array of rows [time, x, y, z]".into(),
+            Form::InTime(_) => "a vector or an array of rows [time, x, y, z]".into(),
             Form::Table(_) | Form::Parameters(_) | Form::Named(_) | Form::Tagged { .. } => "a table".into(),
             Form::List(_) => "an array".into(),
             Form::One(_) => "a table with one key".into(),

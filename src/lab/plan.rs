@@ -65,7 +65,8 @@ pub fn read_by_reports(scene: &Scene) -> Vec<LabelId> {
 pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
     let partition = Partition::alone(decomposition.patches.len());
     let nothing = |_| ParticleLayout::new(&SCHEMA, [], BTreeMap::new());
-    let mut warehouse = populate::empty(scene, decomposition, partition, nothing, []);
+    let tiles = recipes::tick(scene).tiles;
+    let mut warehouse = populate::empty(scene, decomposition, partition, nothing, [], &tiles);
     for body in &scene.bodies {
         for x in sampling::sample(scene, body) {
             // a body that leaves the level is refused by the run; here the rest of it counts

@@ -4,6 +4,7 @@ pub mod contact;
 pub mod faces;
 pub mod law;
 pub mod materials;
+pub mod motion;
 pub mod parameter;
 pub mod table;
 pub mod tensor;

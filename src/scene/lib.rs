@@ -7,6 +7,7 @@ use geometry::Solid;
 pub use physics::contact::Contact;
 use physics::faces::AnyFaceCondition;
 use physics::materials::AnyLaw;
+pub use physics::motion::{Course, Motion};
 pub use physics::table::Table;
 pub use physics::viscosity::Viscosity;
 use std::collections::BTreeMap;
@@ -133,15 +134,43 @@ pub enum FiberField {
     },
 }
 
-/// A region whose particles move as prescribed.
+/// A region whose matter moves as prescribed.
 #[derive(Clone, Debug)]
 pub struct Drive {
+    /// Its name in files.
+    pub name: String,
     /// Index of the material whose particles are driven.
     pub material: usize,
-    /// Particles that lie in it at the start are driven.
-    pub region: Solid,
-    /// Their velocity in time.
-    pub velocity: Table,
+    /// Which of them.
+    pub region: Region,
+    /// How they move.
+    pub motion: Motion,
+    /// Along which axes: they are free along the others.
+    pub components: [bool; 3],
+    /// When they are released [s].
+    pub until: f64,
+}
+
+/// A part of a material's particles.
+#[derive(Clone, Debug)]
+pub enum Region {
+    /// All.
+    All,
+    /// Those of a body: an index into the list of bodies.
+    Body(usize),
+    /// Those that lie in a solid at the start.
+    Solid(Solid),
+}
+
+impl Region {
+    /// Whether a particle of the body that lies at `x` [m] at the start is of it.
+    pub fn contains(&self, body: usize, x: [f64; 3]) -> bool {
+        match self {
+            Region::All => true,
+            Region::Body(of) => *of == body,
+            Region::Solid(solid) => solid.contains(x),
+        }
+    }
 }
 
 /// Shape function family.

@@ -10,7 +10,7 @@ use engine::schema::Label;
 use scene::Scene;
 use simd::Isa;
 use std::path::Path;
-use tasks::labels::Time;
+use tasks::labels::{Reactions, Time};
 
 impl Simulation {
     /// Writes `checkpoint-NNNNNNNN.h5` into a folder, from rank 0. All ranks call it, between two steps.
@@ -59,7 +59,8 @@ impl Simulation {
             Ok(())
         };
         let mut simulation = Self::assemble(network, scene, isa, cut, fill)?;
-        simulation.ledger = Ledger::from_numbers(&from.head.ledger, simulation.scene.materials.len())
+        let givers = simulation.warehouse.tiles.of(Reactions::ID, 0);
+        simulation.ledger = Ledger::from_numbers(&from.head.ledger, simulation.scene.materials.len(), givers)
             .ok_or_else(|| from.wrong("its ledger is not one of this scene".into()))?;
         simulation.steps = from.head.steps;
         // counted by rank, added up for people

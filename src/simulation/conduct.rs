@@ -43,7 +43,7 @@ impl Conductor for Direction<'_> {
     ) -> bool {
         let back = self.scene.run.leaving == Leaving::Reflect;
         if back {
-            leaving::mirror(&self.level, particle, materials, shared);
+            leaving::mirror(self.scene, &self.level, particle, materials, shared);
         }
         back
     }

@@ -10,6 +10,8 @@ use physics::law::{MAX_COUNTS, MAX_EVENTS, MAX_HISTORY};
 use scene::Scene;
 use simd::Wide;
 use tasks::labels;
+use tasks::reactions::NUMBERS;
+use tasks::recipes::{Giver, Givers};
 
 /// What the report graph computes.
 pub const REPORTED: &[LabelId] = &[
@@ -90,6 +92,25 @@ pub struct FirstEvent {
     pub position: [f64; 3],
 }
 
+/// What a face, a drive, a prescribed body or loads have given to the matter so far, or one material to another in a contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GiverReport {
+    /// Who.
+    pub giver: Giver,
+    /// Its name in files.
+    pub name: String,
+    /// Impulse so far [N s].
+    pub impulse: [f64; 3],
+    /// Torque impulse about the origin so far [N m s].
+    pub torque_impulse: [f64; 3],
+    /// Work so far [J]; not of contacts, whose losses are accounts of their own.
+    pub work: f64,
+    /// Mean force since the last row of the history [N].
+    pub force: [f64; 3],
+    /// Mean torque about the origin since then [N m].
+    pub torque: [f64; 3],
+}
+
 /// All accounts at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
@@ -109,6 +130,8 @@ pub struct Report {
     pub impact: f64,
     /// Kinetic energy lost in the transfer between particles and nodes so far [J].
     pub transfer: f64,
+    /// Who has given what.
+    pub givers: Vec<GiverReport>,
     /// Work of boundaries, drives and loads so far [J].
     pub boundary_work: f64,
     /// Impulse of boundaries, drives and loads so far [N s].
@@ -143,8 +166,10 @@ pub struct Ledger {
     friction: f64,
     impact: f64,
     transfer: f64,
-    boundary_work: f64,
-    boundary_impulse: [f64; 3],
+    /// What each giver has given: the numbers of its tile of `Reactions`.
+    given: Vec<[f64; NUMBERS]>,
+    /// The same at the last row of the history, and when that was [s].
+    row: (f64, Vec<[f64; NUMBERS]>),
     deleted: u64,
     deleted_energy: f64,
     reflected: u64,
@@ -154,17 +179,19 @@ pub struct Ledger {
 
 impl Ledger {
     /// Remembers the energy at the start.
-    pub fn begin(&mut self, report: &Report) {
+    pub fn begin(&mut self, report: &Report, givers: usize) {
+        self.given = vec![[0.0; NUMBERS]; givers];
+        self.row = (report.time, self.given.clone());
         self.initial_energy = report.energy().total();
         self.first = vec![[None; MAX_EVENTS]; report.materials.len()];
     }
 
     /// The totals as numbers, for a checkpoint.
     pub fn numbers(&self) -> Vec<f64> {
-        let [x, y, z] = self.boundary_impulse;
         let mut numbers = vec![self.initial_energy, self.friction, self.impact, self.transfer];
-        numbers.extend([self.boundary_work, x, y, z, f64::from_bits(self.deleted), self.deleted_energy]);
-        numbers.push(f64::from_bits(self.reflected));
+        numbers.extend([f64::from_bits(self.deleted), self.deleted_energy, f64::from_bits(self.reflected)]);
+        numbers.push(self.row.0);
+        numbers.extend(self.given.iter().chain(&self.row.1).flatten());
         for first in self.first.iter().flatten() {
             numbers.extend(first.map_or([f64::NAN; 5], |f| {
                 [f.time, f64::from_bits(f.particle), f.position[0], f.position[1], f.position[2]]
@@ -173,11 +200,12 @@ impl Ledger {
         numbers
     }
 
-    /// From its numbers; `None` if they are not those of a ledger of so many materials.
-    pub fn from_numbers(numbers: &[f64], materials: usize) -> Option<Self> {
-        let (totals, events) = numbers.split_first_chunk::<11>()?;
-        let [initial_energy, friction, impact, transfer, boundary_work, x, y, z, rest @ ..] = *totals;
-        let [deleted, deleted_energy, reflected] = rest;
+    /// From its numbers; `None` if they are not those of a ledger of so many materials and givers.
+    pub fn from_numbers(numbers: &[f64], materials: usize, givers: usize) -> Option<Self> {
+        let (totals, rest) = numbers.split_first_chunk::<8>()?;
+        let [initial_energy, friction, impact, transfer, deleted, deleted_energy, reflected, row] = *totals;
+        let (given, events) = rest.split_at_checked(2 * givers * NUMBERS)?;
+        let (given, at_row) = given.as_chunks::<NUMBERS>().0.split_at(givers);
         let first = |&[time, particle, x, y, z]: &[f64; 5]| {
             let particle = particle.to_bits();
             (!time.is_nan()).then_some(FirstEvent { time, particle, position: [x, y, z] })
@@ -190,8 +218,8 @@ impl Ledger {
             friction,
             impact,
             transfer,
-            boundary_work,
-            boundary_impulse: [x, y, z],
+            given: given.to_vec(),
+            row: (row, at_row.to_vec()),
             deleted: deleted.to_bits(),
             deleted_energy,
             reflected: reflected.to_bits(),
@@ -205,9 +233,10 @@ impl Ledger {
         self.friction += work[0].value();
         self.impact += work[1].value();
         self.transfer += shared.get::<ExactSum>(labels::TransferLoss::ID, 0).value();
-        let boundary: [ExactSum; 4] = shared.get(labels::BoundaryWork::ID, 0);
-        self.boundary_work += boundary[0].value();
-        (0..3).for_each(|a| self.boundary_impulse[a] += boundary[1 + a].value());
+        let tiles: &[[ExactSum; NUMBERS]] = bytemuck::cast_slice(shared.column(labels::Reactions::ID));
+        for (given, tile) in self.given.iter_mut().zip(tiles) {
+            given.iter_mut().zip(tile).for_each(|(total, sum)| *total += sum.value());
+        }
         for (material, known) in self.first.iter_mut().enumerate() {
             let lines: [Wide; MAX_EVENTS] = shared.get(labels::FirstEvent::ID, material);
             for (known, line) in
@@ -217,6 +246,32 @@ impl Ledger {
                 *known = Some(FirstEvent { time, particle: particle as u64, position: [x, y, z] });
             }
         }
+    }
+
+    /// A row of the history has been written: mean forces are taken from here on.
+    pub fn mark(&mut self, time: f64) {
+        self.row = (time, self.given.clone());
+    }
+
+    /// What givers have given until a time [s].
+    fn givers(&self, scene: &Scene, time: f64) -> Vec<GiverReport> {
+        let (since, before) = &self.row;
+        let all = Givers::of(scene).0.into_iter().zip(self.given.iter().zip(before));
+        let one = |(giver, (now, before)): (Giver, (&[f64; NUMBERS], &[f64; NUMBERS]))| {
+            let vector = |first: usize| [now[first], now[first + 1], now[first + 2]];
+            let duration = time - since;
+            let rate = |n: usize| if duration > 0.0 { (now[n] - before[n]) / duration } else { 0.0 };
+            GiverReport {
+                giver,
+                name: giver.name(scene),
+                impulse: vector(0),
+                torque_impulse: vector(3),
+                work: now[6],
+                force: [0, 1, 2].map(rate),
+                torque: [3, 4, 5].map(rate),
+            }
+        };
+        all.map(one).collect()
     }
 
     /// Counts particles that came back into the domain.
@@ -236,6 +291,10 @@ impl Ledger {
     pub fn report(&self, scene: &Scene, warehouse: &Warehouse, steps: u64) -> Report {
         let clock: Clock = warehouse.shared.get(labels::Time::ID, 0);
         let limit = scene.materials.get(clock.limited_by as usize).filter(|_| clock.limited_by >= 0.0);
+        let givers = self.givers(scene, clock.time);
+        let outside = || givers.iter().filter(|it| it.giver.is_outside());
+        let boundary_impulse = [0, 1, 2].map(|a| outside().map(|it| it.impulse[a]).sum());
+        let boundary_work = outside().map(|it| it.work).sum();
         let mut report = Report {
             time: clock.time,
             steps,
@@ -245,8 +304,9 @@ impl Ledger {
             friction: self.friction,
             impact: self.impact,
             transfer: self.transfer,
-            boundary_work: self.boundary_work,
-            boundary_impulse: self.boundary_impulse,
+            boundary_work,
+            boundary_impulse,
+            givers,
             deleted_energy: self.deleted_energy,
             deleted: self.deleted,
             reflected: self.reflected,
@@ -254,7 +314,7 @@ impl Ledger {
         };
         let lost = self.friction + self.impact + self.transfer + self.deleted_energy;
         let now = report.energy().total() + lost;
-        report.residual = self.initial_energy + self.boundary_work - now;
+        report.residual = self.initial_energy + boundary_work - now;
         report
     }
 

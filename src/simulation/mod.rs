@@ -43,7 +43,7 @@ const WANTED: &[LabelId] = &[
     labels::Fault::ID,
     labels::FirstEvent::ID,
     labels::ContactWork::ID,
-    labels::BoundaryWork::ID,
+    labels::Reactions::ID,
     labels::TransferLoss::ID,
     labels::BlockExtent::ID,
 ];
@@ -112,7 +112,8 @@ impl Simulation {
         simulation.execute(Some(&start))?;
         simulation.updates = 0;
         let report = simulation.report()?;
-        simulation.ledger.begin(&report);
+        let givers = simulation.warehouse.tiles.of(labels::Reactions::ID, 0);
+        simulation.ledger.begin(&report, givers);
         Ok(simulation)
     }
 
@@ -134,7 +135,9 @@ impl Simulation {
         let report = Script::Graph("report", recipes::report(&scene));
         let report_program = Program::build("report", vec![report], ledger::REPORTED, patches)?;
         let labels = |material| populate::layout_of(&scene, &program, material);
-        let mut warehouse = populate::empty(&scene, decomposition, partition, labels, program.labels());
+        let tiles = &program.main_graph().recipe.tiles;
+        let mut warehouse =
+            populate::empty(&scene, decomposition, partition, labels, program.labels(), tiles);
         fill(&scene, &mut warehouse)?;
         let engine = Engine::new(backend(threads)?, isa, &warehouse);
         let (ledger, balance) = (Ledger::default(), Balance::default());
@@ -280,6 +283,11 @@ impl Simulation {
         let mut report = self.ledger.report(&self.scene, &self.warehouse, self.steps);
         together::count_particles(&mut *self.network, &mut report)?;
         Ok(report)
+    }
+
+    /// A row of the history has been written: mean forces are taken from here on.
+    pub fn mark_row(&mut self) {
+        self.ledger.mark(self.clock().time);
     }
 
     /// One number that changes with any bit of any particle, whatever the order, patches, threads and ranks.

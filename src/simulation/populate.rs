@@ -4,12 +4,12 @@ use engine::data::layout::ParticleLayout;
 use engine::data::rates::Clock;
 use engine::data::warehouse::{MaterialData, Warehouse};
 use engine::program::Program;
-use engine::schema::{Label, LabelId};
+use engine::schema::{Label, LabelId, Tiles};
 use grid::{Decomposition, Partition};
 use nalgebra::{Matrix3, Vector3};
 use physics::law::{Declared, Law, Reference};
 use physics::materials::WithLaw;
-use scene::{Behavior, Body, Rates, RigidMotion, Scene, sampling};
+use scene::{Behavior, Rates, RigidMotion, Scene, sampling};
 use tasks::labels::RigidMotion as RigidMotionLabel;
 use tasks::labels::{
     DriveIndex, History, Identity, InitialVolume, Mass, Position, ReferencePosition, SCHEMA, Time, Velocity,
@@ -24,13 +24,13 @@ use tasks::rigid::state::RigidState;
 /// Bodies that do not fit the level, or differ in resolution within a material.
 pub fn populate(scene: &Scene, warehouse: &mut Warehouse) -> Result<(), RunError> {
     let mut identity = 0;
-    for body in &scene.bodies {
+    for (index, body) in scene.bodies.iter().enumerate() {
         let first = scene.bodies.iter().find(|b| b.material == body.material);
         if first.is_some_and(|b| b.particles_per_cell != body.particles_per_cell) {
             let material = scene.materials[body.material].name.clone();
             return Err(RunError::Resolution { material });
         }
-        add_body(scene, body, warehouse, &mut identity)?;
+        add_body(scene, index, warehouse, &mut identity)?;
     }
     let clock = Clock { until: scene.run.until, ..bytemuck::Zeroable::zeroed() };
     warehouse.shared.set(Time::ID, 0, clock);
@@ -45,6 +45,7 @@ pub fn empty(
     partition: Partition,
     layout: impl Fn(usize) -> ParticleLayout,
     node_labels: impl IntoIterator<Item = LabelId>,
+    tiles: &Tiles,
 ) -> Warehouse {
     let touches = |a: usize, b: usize| scene.contacts.iter().any(|c| c.between == [a.min(b), a.max(b)]);
     let (all, fields) = (0..scene.materials.len(), recipes::fields(scene));
@@ -57,6 +58,7 @@ pub fn empty(
     });
     let (level, cut) = (super::layout::level(scene), (decomposition, partition));
     let mut warehouse = Warehouse::new(&SCHEMA, level, cut, materials.collect(), node_labels);
+    warehouse.set_tiles(tiles);
     warehouse.own_rates = scene.run.rates != Rates::Common;
     warehouse
 }
@@ -105,10 +107,11 @@ fn initial_history(behavior: &Behavior, reference: Reference) -> Vec<f64> {
 
 fn add_body(
     scene: &Scene,
-    body: &Body,
+    index: usize,
     warehouse: &mut Warehouse,
     identity: &mut u64,
 ) -> Result<(), RunError> {
+    let body = &scene.bodies[index];
     let material = &scene.materials[body.material];
     let layout = warehouse.materials[body.material].layout.clone();
     let volume = sampling::particle_volume(scene, body);
@@ -125,7 +128,8 @@ fn add_body(
         }
         let reference = Reference { fiber: sampling::fiber_at(&body.fibers, x) };
         let history = initial_history(&material.behavior, reference);
-        let drive = scene.drives.iter().position(|d| d.material == body.material && d.region.contains(x));
+        let drive =
+            scene.drives.iter().position(|d| d.material == body.material && d.region.contains(index, x));
         record.copy_from_slice(&inert);
         let mut set = |label: LabelId, numbers: &[f64]| {
             let width = layout.width(label);

@@ -1,14 +1,18 @@
 //! The lines of recipes, as a scene asks for them.
+use super::givers::{Giver, Givers};
 use crate::advance::Advance;
 use crate::boundary::Boundary;
 use crate::contact::{Contact, FieldPair};
 use crate::contact_begin::ContactBegin;
 use crate::contact_power::ContactPower;
 use crate::drive::Drive;
+use crate::drive_nodes::DriveNodes;
+use crate::drive_scatter::DriveScatter;
+use crate::drives::{DriveMotion, Drives};
 use crate::fold::Fold;
 use crate::fold_surfaces::FoldSurfaces;
 use crate::images::Images;
-use crate::labels::SCHEMA;
+use crate::labels::{Reactions, SCHEMA};
 use crate::load_power::LoadPower;
 use crate::loads::{LoadField, Loads};
 use crate::mirror::Mirror;
@@ -24,6 +28,7 @@ use engine::data::extent::Bases;
 use engine::data::fields::{FieldId, Fields};
 use engine::graph::recipe::Recipe;
 use engine::graph::task::Runnable;
+use engine::schema::Label;
 use grid::Lattice;
 use physics::contact::surface::SurfaceTable;
 use physics::faces::FaceCondition;
@@ -39,6 +44,7 @@ pub(super) struct Builder<'a> {
     recipe: Recipe,
     pub(super) rigid: Vec<bool>,
     lattice: Lattice,
+    givers: Givers,
     /// Far below the mass of any particle at any node that it touches noticeably.
     pub(super) least_mass: f64,
 }
@@ -47,9 +53,12 @@ impl<'a> Builder<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
         let materials = scene.materials.iter().map(|m| m.name.clone()).collect();
         let lightest = scene.materials.iter().map(|m| m.density).fold(f64::INFINITY, f64::min);
+        let (givers, mut recipe) = (Givers::of(scene), Recipe::new(&SCHEMA, materials));
+        recipe.tiles(Reactions::ID, givers.0.len());
         Self {
             scene,
-            recipe: Recipe::new(&SCHEMA, materials),
+            recipe,
+            givers,
             rigid: rigid(scene),
             lattice: Lattice { lower: scene.domain.lower, cell: scene.domain.cell },
             least_mass: 1e-14 * lightest * scene.domain.cell.powi(3),
@@ -103,24 +112,32 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The faces beyond which matter goes on, if there are any.
-    fn images(&self) -> Option<Images> {
+    /// The faces beyond which matter goes on.
+    fn images(&self) -> Images {
         let faces = self.scene.faces.each_ref().map(|face| face.image());
-        let images = Images { faces, cells: self.scene.domain.cells };
-        (!images.is_empty()).then_some(images)
+        Images { faces, cells: self.scene.domain.cells }
+    }
+
+    /// The tiles of `Reactions` of the faces; 0 for those that do nothing.
+    fn tiles_of_faces(&self) -> [usize; 6] {
+        [0, 1, 2, 3, 4, 5].map(|face| self.givers.tile(Giver::Face(face)).unwrap_or(0))
     }
 
     pub(super) fn fold(&mut self, material: usize) {
-        let Some(images) = self.images() else { return };
+        let (images, tiles, lattice) = (self.images(), self.tiles_of_faces(), self.lattice);
+        if images.is_empty() {
+            return;
+        }
         let pic = if self.rigid[material] { 0.0 } else { self.scene.run.pic };
-        self.add(material, "boundary", Fold { images: images.clone(), pic });
+        self.add(material, "boundary", Fold { images: images.clone(), tiles, lattice, pic });
         if self.touches(material) {
-            self.add(material, "boundary", FoldSurfaces { images, lattice: self.lattice });
+            self.add(material, "boundary", FoldSurfaces { images, lattice });
         }
     }
 
     pub(super) fn mirror(&mut self, material: usize) {
-        if let Some(images) = self.images() {
+        let images = self.images();
+        if !images.is_empty() {
             self.add(material, "boundary", Mirror { images });
         }
     }
@@ -153,7 +170,7 @@ impl<'a> Builder<'a> {
             SurfaceTable::new(0.5 * mean(spacing(self.scene, m)), mean(half_size(self.scene, m)))
         });
         let task = Contact {
-            pairs: field_pairs(self.scene),
+            pairs: field_pairs(self.scene, &self.givers),
             lattice: self.lattice,
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
@@ -181,7 +198,13 @@ impl<'a> Builder<'a> {
 
     pub(super) fn load_power(&mut self) {
         if let Some(field) = self.field() {
-            let task = LoadPower { field, least_mass: self.least_mass, rigid: self.rigid.clone() };
+            let task = LoadPower {
+                field,
+                tile: self.givers.tile(Giver::Loads).unwrap_or(0),
+                lattice: self.lattice,
+                least_mass: self.least_mass,
+                rigid: self.rigid.clone(),
+            };
             self.all("load", task);
         }
     }
@@ -190,6 +213,8 @@ impl<'a> Builder<'a> {
         if self.scene.faces.iter().any(|f| f.acts()) {
             let task = Boundary {
                 faces: self.scene.faces.clone(),
+                tiles: self.tiles_of_faces(),
+                lattice: self.lattice,
                 cells: self.scene.domain.cells,
                 rigid: self.rigid.clone(),
             };
@@ -202,7 +227,13 @@ impl<'a> Builder<'a> {
             Behavior::Rigid(Motion::Prescribed { velocity, .. }) => Some(velocity.clone()),
             _ => None,
         });
-        let task = RigidMotion { prescribed: prescribed.collect(), gravity: self.scene.gravity };
+        let tiles = (0..self.scene.materials.len()).map(|m| self.givers.tile(Giver::Rigid(m)));
+        let task = RigidMotion {
+            prescribed: prescribed.collect(),
+            gravity: self.scene.gravity,
+            tiles: tiles.collect(),
+            loads: self.givers.tile(Giver::Loads),
+        };
         self.all("material", task);
     }
 
@@ -216,10 +247,35 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// What is prescribed, if a material has driven particles.
+    fn drives(&self, material: usize) -> Option<Drives> {
+        let one = |it: &scene::Drive| DriveMotion {
+            motion: it.motion.clone(),
+            components: it.components,
+            until: it.until,
+        };
+        let driven = self.scene.drives.iter().any(|it| it.material == material);
+        driven.then(|| Drives(self.scene.drives.iter().map(one).collect()))
+    }
+
+    pub(super) fn drive_scatter(&mut self, material: usize) {
+        if let Some(drives) = self.drives(material) {
+            let (images, lattice) = (self.images(), self.lattice);
+            self.add(material, "drive", DriveScatter { drives, images, lattice });
+        }
+    }
+
+    pub(super) fn drive_nodes(&mut self) {
+        if !self.scene.drives.is_empty() {
+            self.all("drive", DriveNodes);
+        }
+    }
+
     pub(super) fn drive(&mut self, material: usize) {
-        if self.scene.drives.iter().any(|d| d.material == material) {
-            let drives = self.scene.drives.iter().map(|d| d.velocity.clone()).collect();
-            self.add(material, "drive", Drive { drives });
+        if let Some(drives) = self.drives(material) {
+            let (images, lattice) = (self.images(), self.lattice);
+            let first = self.givers.tile(Giver::Drive(0)).unwrap_or(0);
+            self.add(material, "drive", Drive { drives, first, images, lattice });
         }
     }
 
@@ -265,12 +321,18 @@ pub fn fields(scene: &Scene) -> Fields {
 }
 
 /// The pairs of fields that touch: of two materials in contact, each field of one and each of the other.
-fn field_pairs(scene: &Scene) -> Vec<FieldPair> {
+fn field_pairs(scene: &Scene, givers: &Givers) -> Vec<FieldPair> {
     let (fields, mut pairs) = (fields(scene), Vec::new());
-    for contact in &scene.contacts {
+    for (number, contact) in scene.contacts.iter().enumerate() {
+        let tile = givers.tile(Giver::Contact(number)).unwrap_or(0);
         let [first, second] = contact.between.map(|m| fields.of(m));
         for between in first.flat_map(|a| second.clone().map(move |b| [a, b])) {
-            pairs.push(FieldPair { between: between.map(FieldId::new), law: contact.law, gap: contact.gap });
+            pairs.push(FieldPair {
+                between: between.map(FieldId::new),
+                law: contact.law,
+                gap: contact.gap,
+                tile,
+            });
         }
     }
     pairs

@@ -43,6 +43,7 @@ pub fn tick(scene: &Scene) -> Recipe {
             Behavior::Rigid(_) => recipe.add(m, "material", RigidFlow),
         }
         recipe.add(m, "", Scatter);
+        recipe.drive_scatter(m);
         if recipe.touches(m) {
             recipe.add(m, "contact", ContactFlow);
             recipe.add(m, "contact", ContactScatter);
@@ -58,6 +59,7 @@ pub fn tick(scene: &Scene) -> Recipe {
     recipe.loads();
     recipe.rigid_velocity();
     recipe.contact();
+    recipe.drive_nodes();
     recipe.boundary();
     recipe.contact_power();
     recipe.load_power();

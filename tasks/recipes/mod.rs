@@ -2,10 +2,12 @@
 //! neighbors, and what the scene does not ask for is not in the list.
 mod builder;
 mod explicit;
+mod givers;
 mod report;
 mod start;
 
 pub use builder::{fields, half_size};
 pub use explicit::{step, tick, timestep_size};
+pub use givers::{Giver, Givers};
 pub use report::report;
 pub use start::start;

@@ -1,9 +1,10 @@
 use crate::labels::RigidMotion as RigidMotionLabel;
-use crate::labels::{BoundaryWork, RigidImpulse, Time};
+use crate::labels::{Reactions, RigidImpulse, Time};
+use crate::reactions::Reaction;
 use crate::rigid::state::RigidState;
-use crate::work::Work;
 use engine::graph::task::{At, Body};
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use physics::contact::{cross, dot};
 use physics::table::Table;
 use simd::Simd;
 
@@ -14,12 +15,16 @@ pub struct RigidMotion {
     pub prescribed: Vec<Option<Table>>,
     /// g [m/s²]
     pub gravity: [f64; 3],
+    /// Tiles of `Reactions`: of what holds each prescribed body, and of gravity.
+    pub tiles: Vec<Option<usize>>,
+    /// See `tiles`.
+    pub loads: Option<usize>,
 }
 
 engine::task! { Once task RigidMotion {
     requires new { time: Time }
     requires now { impulse: RigidImpulse }
-    computes { work: BoundaryWork }
+    computes { reactions: Reactions }
     modifies { bodies: RigidMotionLabel }
 }}
 
@@ -27,24 +32,42 @@ impl Body for RigidMotion {
     #[inline(always)]
     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
         let (time, dt) = (io.time[0].time, io.time[0].tick);
-        let mut work = Work::default();
         for (material, body) in io.bodies.iter_mut().enumerate().filter(|(_, b)| b.mass > 0.0) {
             let sums = io.impulse[material].each_ref().map(|sum| sum.value());
             if let Some(table) = &self.prescribed[material] {
                 // whatever holds the body on its way receives what the matter exchanges with it
-                work.hold(body, &sums);
+                let reaction = held(body, &sums);
+                if let Some(tile) = self.tiles[material] {
+                    reaction.store(&mut io.reactions[tile]);
+                }
                 body.velocity = table.at(time + dt);
             } else {
                 let before = body.velocity;
                 push(body, Vector3::new(sums[0], sums[1], sums[2]), Vector3::new(sums[3], sums[4], sums[5]));
                 let dv = self.gravity.map(|g| dt * g);
                 (0..3).for_each(|a| body.velocity[a] += dv[a]);
-                work.add(body.mass, std::array::from_fn(|a| 0.5 * (before[a] + body.velocity[a])), dv);
+                let mean = std::array::from_fn(|a| 0.5 * (before[a] + body.velocity[a]));
+                let mut reaction = Reaction::default();
+                reaction.add(body.center, dv.map(|dv| body.mass * dv), mean);
+                if let Some(tile) = self.loads {
+                    reaction.store(&mut io.reactions[tile]);
+                }
             }
             turn(body, dt);
             (0..3).for_each(|a| body.center[a] += dt * body.velocity[a]);
         }
-        work.store(&mut io.work[0]);
+    }
+}
+
+/// What a prescribed body gives to the matter, where it receives these sums: impulse, and torque about its center.
+fn held(body: &RigidState, sums: &[f64; 6]) -> Reaction {
+    let [x, y, z, tx, ty, tz] = sums.map(|sum| -sum);
+    let (impulse, torque) = ([x, y, z], [tx, ty, tz]);
+    let about_origin = cross(body.center, impulse);
+    Reaction {
+        impulse,
+        torque: std::array::from_fn(|a| about_origin[a] + torque[a]),
+        work: dot(impulse, body.velocity) + dot(torque, body.angular),
     }
 }
 

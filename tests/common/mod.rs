@@ -1,8 +1,11 @@
 //! Small scenes, and simulations of them.
 #![allow(dead_code)] // each test takes what it needs
 #![allow(clippy::result_large_err)] // errors are rare here
+use engine::data::schedule::FieldTime;
+use engine::graph::task::At;
 use engine::schema::Label;
 use engine::schema::LabelId;
+use grid::{IndexBox, NODES, Origin};
 use scene::Scene;
 use simd::Isa;
 use sinew::input::{read, read_text};
@@ -87,6 +90,12 @@ pub fn numbers(simulation: &Simulation, label: LabelId) -> Vec<Vec<f64>> {
         all.extend((0..block.count).map(|p| (0..width).map(|c| block.get(layout, label, p, c)).collect()));
     }
     all
+}
+
+/// Where a task runs on a block of which nothing is known.
+pub fn place(origin: Origin, count: usize, fields: &[FieldTime]) -> At<'_> {
+    let (node, touched) = ([0; 3], IndexBox { lower: [0; 3], upper: [0; 3] });
+    At { origin, count, node, nodes: NODES, touched, fields }
 }
 
 /// Gives every particle the velocity `field(x)`, as if the scene had said so.

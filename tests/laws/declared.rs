@@ -93,6 +93,7 @@ impl Chunk {
             Volume::ID,
             MaterialEnergy::ID,
             StateCount::ID,
+            LargestHistory::ID,
         ];
         let mut chunk = Self(labels.map(|label| (label, vec![Wide::default(); lines(label)])).into());
         let mut history = [0.0; 2];
@@ -126,18 +127,12 @@ impl Chunk {
     }
 
     fn run(&mut self, task: &impl Runnable, isa: simd::Isa) {
-        for label in [Fault::ID, FirstEvent::ID, MaterialEnergy::ID, StateCount::ID] {
+        for label in [Fault::ID, FirstEvent::ID, MaterialEnergy::ID, StateCount::ID, LargestHistory::ID] {
             clear(label.combine(), self.column(label));
         }
         let origin = Level { lower: [0.0; 3], cell: 1.0, cells: [4; 3] }.origin([0; 3]);
-        let at = At {
-            origin,
-            count: PARTICLES,
-            node: [0; 3],
-            touched: IndexBox { lower: [0; 3], upper: [0; 3] },
-            nodes: NODES,
-            fields: &[],
-        };
+        let (node, touched) = ([0; 3], IndexBox { lower: [0; 3], upper: [0; 3] });
+        let at = At { origin, count: PARTICLES, node, nodes: NODES, touched, fields: &[] };
         let mut widths = vec![0; SCHEMA.len()];
         widths[History::ID.index()] = Swelling::HISTORY.len();
         let columns = no_columns(Vec::new(), SCHEMA.len());

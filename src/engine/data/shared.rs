@@ -1,10 +1,10 @@
 //! Values that are the same everywhere: of materials, and of the run.
 use super::reduction;
-use crate::schema::{Home, LabelId, Life, Schema};
+use crate::schema::{LabelId, Life, Schema, Tiles};
 use bytemuck::Pod;
 use simd::Wide;
 
-/// Labels of home `Material` (a tile a material) and `Run` (one tile).
+/// Labels of home `Material` (a tile a material) and `Run` (one tile, or as many as the recipe says).
 #[derive(Clone, Debug)]
 pub struct Shared {
     /// The shared labels, in the order of the schema.
@@ -16,15 +16,11 @@ pub struct Shared {
 
 impl Shared {
     /// Values to which nobody has contributed.
-    pub fn new(schema: &'static Schema, materials: usize) -> Self {
-        let tiles = |label: LabelId| match label.home() {
-            Home::Material => materials,
-            Home::Run => 1,
-            _ => 0,
-        };
+    pub fn new(schema: &'static Schema, materials: usize, tiles: &Tiles) -> Self {
         let mut starts = vec![0];
         for label in schema.labels() {
-            starts.push(starts[label.index()] + tiles(label) * label.width());
+            let tiles = if label.is_shared() { tiles.of(label, materials) } else { 0 };
+            starts.push(starts[label.index()] + tiles * label.width());
         }
         let total = starts[schema.len()];
         let labels: Vec<LabelId> = schema.labels().filter(|label| label.is_shared()).collect();
@@ -43,13 +39,13 @@ impl Shared {
         &mut self.lines[self.starts[label.index()]..self.starts[label.index() + 1]]
     }
 
-    /// The value of a label (`material` 0 for home `Run`).
+    /// A tile of a label: that of a material, or one of the run.
     pub fn get<T: Pod>(&self, label: LabelId, material: usize) -> T {
         let tiles: &[T] = bytemuck::cast_slice(self.column(label));
         tiles[material]
     }
 
-    /// Sets the value of a label (`material` 0 for home `Run`).
+    /// Sets a tile of a label.
     pub fn set<T: Pod>(&mut self, label: LabelId, material: usize, value: T) {
         let tiles: &mut [T] = bytemuck::cast_slice_mut(self.column_mut(label));
         tiles[material] = value;

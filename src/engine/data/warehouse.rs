@@ -7,7 +7,7 @@ use super::layout::{NodeLayout, ParticleLayout};
 use super::nodes::NodeBlock;
 use super::particles::ParticleBlock;
 use super::shared::Shared;
-use crate::schema::{LabelId, Schema};
+use crate::schema::{LabelId, Schema, Tiles};
 use grid::{BlockIndex, Decomposition, IndexBox, Level, Partition};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -117,6 +117,8 @@ pub struct Warehouse {
     pub nodes: Vec<NodePatch>,
     /// Labels of materials and of the run.
     pub shared: Shared,
+    /// How many tiles labels of the run have.
+    pub tiles: Tiles,
     /// Whether blocks became occupied since the last [`Warehouse::activate`].
     pub reactivate: bool,
     /// Whether materials have rates of their own: one moves while another waits.
@@ -142,7 +144,8 @@ impl Warehouse {
         }
         let fields = Fields::new(materials.iter().map(|material| material.fields));
         let node_layout = NodeLayout::new(schema, node_labels, level.shape());
-        let (shared, reactivate, own_rates) = (Shared::new(schema, materials.len()), true, false);
+        let (shared, reactivate, own_rates) =
+            (Shared::new(schema, materials.len(), &Tiles::default()), true, false);
         Self {
             schema,
             level,
@@ -154,9 +157,16 @@ impl Warehouse {
             particles,
             nodes,
             shared,
+            tiles: Tiles::default(),
             reactivate,
             own_rates,
         }
+    }
+
+    /// Labels have so many tiles, as recipes say; their values are lost.
+    pub fn set_tiles(&mut self, tiles: &Tiles) {
+        self.shared = Shared::new(self.schema, self.materials.len(), tiles);
+        self.tiles = tiles.clone();
     }
 
     /// Gives patches to other ranks. Whoever calls it has seen to the blocks: those of patches that are not this rank's any

@@ -40,7 +40,11 @@ pub fn collect(phases: &[Phase], scratch: &[Mutex<Scratch>], shared: &mut Shared
 pub fn begin(phase: &Phase, schedule: &Schedule, shared: &mut Shared) {
     let ends = |(label, material): &&(LabelId, usize)| label.home() == Home::Run || schedule.ends(*material);
     for &(label, material) in phase.afresh.iter().filter(ends) {
-        let tile = material * label.width()..(material + 1) * label.width();
-        reduction::clear(label.combine(), &mut shared.column_mut(label)[tile]);
+        let column = shared.column_mut(label);
+        let lines = match label.home() {
+            Home::Material => material * label.width()..(material + 1) * label.width(),
+            _ => 0..column.len(),
+        };
+        reduction::clear(label.combine(), &mut column[lines]);
     }
 }

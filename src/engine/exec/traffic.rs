@@ -34,6 +34,7 @@ pub fn count(warehouse: &Warehouse, partition: &Partition) -> Traffic {
         of_material: of_material(warehouse),
         nodes: nodes(warehouse),
         fields: fields(warehouse),
+        tiles: warehouse.tiles.clone(),
         between: between(warehouse, patch_of, patch_of),
         to_rank: between(warehouse, patch_of, rank_at),
         neighbors: neighbors(&warehouse.decomposition, &rank_of),
@@ -51,6 +52,7 @@ pub fn between_ranks(warehouse: &Warehouse, decomposition: &Decomposition, parti
     Traffic {
         ranks: partition.ranks,
         fields: fields(warehouse),
+        tiles: warehouse.tiles.clone(),
         to_rank: between(warehouse, rank_at, rank_at),
         neighbors: neighbors(decomposition, &rank_of),
         rank_of: (0..partition.ranks).collect(),

@@ -1,6 +1,6 @@
 //! What a recipe is, and the nodes and edges that come of it.
 use super::task::{Declaration, Domain, Runnable};
-use crate::schema::{LabelId, Schema};
+use crate::schema::{LabelId, Schema, Tiles};
 use petgraph::stable_graph::StableDiGraph;
 
 /// One line of a recipe.
@@ -21,12 +21,14 @@ pub struct Recipe {
     pub entries: Vec<RecipeLine>,
     /// Names of the materials, for messages and dumps.
     pub materials: Vec<String>,
+    /// How many tiles labels have whose rows leave that open.
+    pub tiles: Tiles,
 }
 
 impl Recipe {
     /// A recipe without lines.
     pub fn new(schema: &'static Schema, materials: Vec<String>) -> Self {
-        Self { schema, entries: Vec::new(), materials }
+        Self { schema, entries: Vec::new(), materials, tiles: Tiles::default() }
     }
 
     /// Adds a task over the particles of a material. `because` is the dotted key of the scene line that asked for it.
@@ -37,6 +39,14 @@ impl Recipe {
     /// Adds a task over the nodes of all fields, or once.
     pub fn all(&mut self, because: &str, task: impl Runnable + 'static) {
         self.push(None, because, task);
+    }
+
+    /// A label has so many tiles; all recipes of a warehouse say the same.
+    ///
+    /// # Panics
+    /// See [`Tiles::set`].
+    pub fn tiles(&mut self, label: LabelId, count: usize) {
+        self.tiles.set(label, count);
     }
 
     fn push(&mut self, material: Option<usize>, because: &str, task: impl Runnable + 'static) {

@@ -2,7 +2,7 @@
 use super::build::TaskGraph;
 use super::exchange::{Exchange, Way};
 use super::phase::Phase;
-use crate::schema::{Crossing, Home, LabelId};
+use crate::schema::{Crossing, LabelId, Tiles};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Bytes of a line: one node of one field, or eight numbers of anything else.
@@ -54,6 +54,8 @@ pub struct Traffic {
     pub blocks: Vec<Vec<u64>>,
     /// Lines that a tile of a label takes whose tiles materials decide.
     pub of_material: BTreeMap<(LabelId, usize), u64>,
+    /// Tiles of labels of the run.
+    pub tiles: Tiles,
     /// Nodes: `[patch][material]`.
     pub nodes: Vec<Vec<u64>>,
     /// Fields of each material.
@@ -198,7 +200,7 @@ impl Traffic {
 
     /// Bytes of a message with all shared values of `labels`, and a line that counts particles.
     pub fn reduced_bytes(&self, labels: &[LabelId]) -> u64 {
-        reduced_bytes(labels, self.fields.len())
+        reduced_bytes(labels, self.fields.len(), &self.tiles)
     }
 
     /// One message to each neighbor, with a line that says how many particles follow.
@@ -232,9 +234,9 @@ impl Traffic {
 
 /// Bytes of a message with all shared values of `labels`, of so many materials where each has its own; and a line of
 /// counters.
-pub fn reduced_bytes(labels: &[LabelId], materials: usize) -> u64 {
-    let tiles = |label: &LabelId| if label.home() == Home::Material { materials } else { 1 };
-    LINE * (1 + labels.iter().map(|label| (label.width() * tiles(label)) as u64).sum::<u64>())
+pub fn reduced_bytes(labels: &[LabelId], materials: usize, tiles: &Tiles) -> u64 {
+    let lines = |label: &LabelId| (label.width() * tiles.of(*label, materials)) as u64;
+    LINE * (1 + labels.iter().map(lines).sum::<u64>())
 }
 
 /// Names of labels in a row.

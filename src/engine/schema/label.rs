@@ -71,6 +71,10 @@ impl LabelId {
     pub const fn crossing(self) -> Crossing {
         self.0.crossing
     }
+    /// Whether it has as many tiles as the recipe says.
+    pub const fn is_several(self) -> bool {
+        self.0.several
+    }
     /// Whether it is there only where velocity fields meet that interact.
     #[inline(always)]
     pub const fn where_fields_meet(self) -> bool {

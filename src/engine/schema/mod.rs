@@ -2,9 +2,11 @@
 //! counts and dumps follow from it.
 mod label;
 mod row;
+mod tiles;
 
 pub use label::{Label, LabelId};
 pub use row::{Combine, Crossing, Home, Inert, Life, Row, block, chunk, material, node, particle, run};
+pub use tiles::Tiles;
 
 /// All quantities of an application.
 #[derive(Debug)]

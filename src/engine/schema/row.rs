@@ -94,6 +94,7 @@ pub struct Row {
     pub(super) life: Life,
     pub(super) crossing: Crossing,
     pub(super) where_fields_meet: bool,
+    pub(super) several: bool,
 }
 
 const fn row(home: Home, life: Life, unit: &'static str, meaning: &'static str) -> Row {
@@ -110,6 +111,7 @@ const fn row(home: Home, life: Life, unit: &'static str, meaning: &'static str) 
         life,
         crossing: Crossing::None,
         where_fields_meet: false,
+        several: false,
     }
 }
 
@@ -197,6 +199,11 @@ impl Row {
         Self { where_fields_meet: true, ..self }
     }
 
+    /// It has as many tiles as the recipe says (`Recipe::tiles`).
+    pub const fn several(self) -> Self {
+        Self { several: true, ..self }
+    }
+
     /// Completes the row: for [`labels!`](crate::labels!).
     ///
     /// # Panics
@@ -226,6 +233,11 @@ impl Row {
             "only nodes are summed in the order of blocks"
         );
         assert!(!self.where_fields_meet || on_nodes, "fields meet on nodes");
+        let run = matches!(self.home, Home::Run);
+        assert!(
+            !self.several || run,
+            "the number of tiles is that of materials, blocks or particles elsewhere"
+        );
         assert!(
             matches!(self.home, Home::Chunk) == matches!(self.life, Life::Chunk),
             "a chunk label lives in a chunk"

@@ -54,7 +54,7 @@ impl Tick {
         // what each material keeps is reduced where its step ends
         let ends = (0..materials).filter(|&m| schedule.ends(m)).count();
         let all = graph.phases.iter().map(|phase| &phase.reductions).chain([&graph.at_end]);
-        let reduced = all.map(|labels| reduced_bytes(labels, ends) as f64).collect();
+        let reduced = all.map(|labels| reduced_bytes(labels, ends, &graph.recipe.tiles) as f64).collect();
         Self { schedule, reduced, materials }
     }
 

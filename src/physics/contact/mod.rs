@@ -4,7 +4,7 @@ pub mod friction;
 mod pair;
 pub mod surface;
 
-pub use pair::{ContactLaw, Exchange, Pair, dot};
+pub use pair::{ContactLaw, Exchange, Pair, cross, dot};
 
 use super::parameter::Entry;
 

@@ -164,6 +164,7 @@ impl Recorder {
         let report = simulation.report()?;
         let written = self.files.as_mut().map_or(Ok(()), |files| files.history.row(&rows::cells(&report)));
         together::agree(simulation.network(), written)?;
+        simulation.mark_row();
         self.output_s += began.elapsed().as_secs_f64();
         Ok(())
     }

@@ -4,6 +4,7 @@ use crate::simulation::failures;
 use crate::simulation::ledger::{MaterialReport, Report};
 use crate::simulation::populate::declared;
 use scene::Scene;
+use tasks::recipes::Givers;
 
 /// The columns of a scene.
 pub fn columns(scene: &Scene) -> Vec<Column> {
@@ -20,7 +21,23 @@ pub fn columns(scene: &Scene) -> Vec<Column> {
         columns.push(Column::global(part, "j"));
     }
     columns.push(Column::global("deleted_particles", ""));
+    for giver in Givers::of(scene).0 {
+        giver_columns(&giver.name(scene), giver.is_outside(), &mut columns);
+    }
     columns
+}
+
+/// The columns of what gives something to the matter; contacts do no work that is not in accounts of their own.
+fn giver_columns(name: &str, works: bool, columns: &mut Vec<Column>) {
+    for axis in ["x", "y", "z"] {
+        columns.push(Column::of(name, &format!("force_{axis}"), "n"));
+    }
+    for axis in ["x", "y", "z"] {
+        columns.push(Column::of(name, &format!("torque_{axis}"), "n_m"));
+    }
+    if works {
+        columns.push(Column::of(name, "work", "j"));
+    }
 }
 
 /// The columns of a material whose law counts these states. Those of failure are always there, zero where the law does not
@@ -60,6 +77,10 @@ pub fn cells(report: &Report) -> Vec<Cell<'_>> {
     ];
     cells.extend(parts.map(Cell::from));
     cells.push(report.deleted.into());
+    for it in &report.givers {
+        cells.extend(it.force.into_iter().chain(it.torque).map(Cell::from));
+        cells.extend(it.giver.is_outside().then_some(Cell::from(it.work)));
+    }
     cells
 }
 

@@ -1,0 +1,68 @@
+//! Who acts on the matter from outside, or between materials: the tiles of label `Reactions`.
+use physics::faces::FaceCondition;
+use scene::{Behavior, RigidMotion, Scene};
+
+/// Who gives something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Giver {
+    /// A face of the domain, 0 to 5: x−, x+, y−, y+, z−, z+.
+    Face(usize),
+    /// Gravity and damping.
+    Loads,
+    /// A drive, by its index in the scene.
+    Drive(usize),
+    /// A rigid material whose motion is prescribed: what holds it gives to the matter, through it.
+    Rigid(usize),
+    /// A contact, by its index in the scene: what the second material gives to the first one.
+    Contact(usize),
+}
+
+/// Faces in the order of `Scene::faces`.
+const FACES: [&str; 6] = ["x-min", "x-max", "y-min", "y-max", "z-min", "z-max"];
+
+impl Giver {
+    /// Its name in files: `face.x-min`, `loads`, `drive.NAME`, `rigid.MATERIAL`, `contact.FIRST.SECOND`.
+    pub fn name(self, scene: &Scene) -> String {
+        let material = |m: usize| &scene.materials[m].name;
+        match self {
+            Giver::Face(face) => format!("face.{}", FACES[face]),
+            Giver::Loads => "loads".to_owned(),
+            Giver::Drive(drive) => format!("drive.{}", scene.drives[drive].name),
+            Giver::Rigid(body) => format!("rigid.{}", material(body)),
+            Giver::Contact(contact) => {
+                let [a, b] = scene.contacts[contact].between;
+                format!("contact.{}.{}", material(a), material(b))
+            }
+        }
+    }
+
+    /// Whether it gives from outside: what materials exchange adds up to nothing.
+    pub fn is_outside(self) -> bool {
+        !matches!(self, Giver::Contact(_))
+    }
+}
+
+/// All givers of a scene, in the order of the tiles of label `Reactions`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Givers(pub Vec<Giver>);
+
+impl Givers {
+    /// Those of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let reflects = scene.run.leaving == scene::Leaving::Reflect;
+        let faces = (0..6).filter(|&face| reflects || scene.faces[face].acts()).map(Giver::Face);
+        let loads = scene.gravity != [0.0; 3] || scene.damping != 0.0;
+        let rigid = scene.materials.iter().enumerate().filter(|(_, material)| {
+            matches!(material.behavior, Behavior::Rigid(RigidMotion::Prescribed { .. }))
+        });
+        let all = faces.chain(loads.then_some(Giver::Loads));
+        let all = all.chain((0..scene.drives.len()).map(Giver::Drive));
+        let all = all.chain(rigid.map(|(material, _)| Giver::Rigid(material)));
+        Self(all.chain((0..scene.contacts.len()).map(Giver::Contact)).collect())
+    }
+
+    /// The tile of a giver.
+    pub fn tile(&self, giver: Giver) -> Option<usize> {
+        self.0.iter().position(|it| *it == giver)
+    }
+}
