@@ -13,7 +13,8 @@ pub struct DriveNodes;
 const LEAST: f64 = 1e-9;
 
 engine::task! { Nodes task DriveNodes {
-    requires new { step: OwnStep, sums: NodeSums, driven: DriveSums }
+    requires new { step: OwnStep, sums: NodeSums }
+    requires now { driven: DriveSums }
     computes { gift: DriveGift }
     modifies { motion: NodeMotion }
 }}

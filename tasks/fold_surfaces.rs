@@ -1,5 +1,6 @@
 use crate::images::Images;
 use crate::labels::ContactSums;
+use crate::node::Surface;
 use engine::graph::task::{At, Body};
 use grid::Lattice;
 use simd::Simd;
@@ -20,17 +21,22 @@ engine::task! { Buffers task FoldSurfaces {
 impl Body for FoldSurfaces {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        for sums in io.sums.chunks_exact_mut(at.origin.shape.buffer_len()) {
-            for face in self.images.reached(at) {
-                let plane = self.lattice.lower[face.axis] + self.lattice.cell * f64::from(face.plane);
-                for (ghost, image) in face.ghosts() {
-                    let given = std::mem::take(&mut sums[at.in_buffer(ghost)]);
-                    if let Some(image) = image {
-                        sums[at.in_buffer(image)].add_image(&given, face.axis, plane);
-                    }
+        fold(at, &self.images, &self.lattice, &mut io.sums);
+    }
+}
+
+/// Folds the surfaces that a block's particles gave to nodes beyond faces onto their images.
+pub fn fold(at: &At<'_>, images: &Images, lattice: &Lattice, sums: &mut [Surface]) {
+    for sums in sums.chunks_exact_mut(at.origin.shape.buffer_len()) {
+        for face in images.reached(at) {
+            let plane = lattice.lower[face.axis] + lattice.cell * f64::from(face.plane);
+            for (ghost, image) in face.ghosts() {
+                let given = std::mem::take(&mut sums[at.in_buffer(ghost)]);
+                if let Some(image) = image {
+                    sums[at.in_buffer(image)].add_image(&given, face.axis, plane);
                 }
-                face.on.iter().for_each(|node| sums[at.in_buffer(node)].center_on(face.axis, plane));
             }
+            face.on.iter().for_each(|node| sums[at.in_buffer(node)].center_on(face.axis, plane));
         }
     }
 }

@@ -47,6 +47,7 @@ engine::labels! {
     DriveSums: node::Driven   = node("kg, N s", "mass that drives hold (3), 0, what they give it (3), 0").partials(3);
     DriveGift: node::Gift     = node("N s/kg, m/s", "what drives gave, a mass that they hold (3), 0, (v0 + v)/2 (3), 0").values(3);
     ContactSums: node::Surface = node("mixed", "m, m x (3), sum V grad S (3), 0").partials(3).where_fields_meet();
+    ToolSums: node::Surface   = node("mixed", "m, m x (3), sum V grad S (3), 0 near tools").partials(3).where_near();
     ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), 0, friction (3), 0")
                                     .lives(Step).where_fields_meet();
     NodeMotion: node::Motion  = node("m/s", "v (3), 0, change of v in this step (3), 0").values(3).lives(Step);

@@ -63,6 +63,11 @@ impl Sums {
 pub struct Surface(pub Wide);
 
 impl Surface {
+    /// m_I of the particles that told where they are [kg].
+    #[inline(always)]
+    pub fn mass(&self) -> f64 {
+        self.0.0[0]
+    }
     /// (m x)_I, an axis of it [kg m].
     #[inline(always)]
     pub fn moment(&self, axis: usize) -> f64 {

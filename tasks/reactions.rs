@@ -28,6 +28,17 @@ impl Reaction {
         }
     }
 
+    /// Force and torque alone.
+    pub fn without_work(self) -> Self {
+        Self { work: 0.0, ..self }
+    }
+
+    /// So many times it.
+    pub fn times(self, factor: f64) -> Self {
+        let Self { impulse, torque, work } = self;
+        Self { impulse: impulse.map(|p| factor * p), torque: torque.map(|p| factor * p), work: factor * work }
+    }
+
     /// Adds it to a tile of exact sums.
     #[inline]
     pub fn store(&self, into: &mut [ExactSum; NUMBERS]) {

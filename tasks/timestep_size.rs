@@ -1,6 +1,7 @@
 use crate::labels::{OwnStep, SignalSpeed, Time};
 use engine::data::rates::{Clock, MaterialStep};
 use engine::graph::task::{At, Body};
+use physics::motion::Motion;
 use simd::{Simd, Wide};
 
 /// The tick, and the steps of the materials, each a whole number of ticks.
@@ -8,6 +9,9 @@ use simd::{Simd, Wide};
 /// Alone, a material could take Δt = CFL h / max (c + |v|). A tick is the smallest of these; a step ends when all are
 /// together again, at the latest after `most` ticks. With `most` = 1 all materials take the common step. A slow material
 /// also heeds those that touch it, Δt ≤ CFL h / (c + |v| of the other), so that nothing crosses a cell of it unseen.
+///
+/// All heed what will move within the step: tools, walls and drives by their largest speed until its end, and turns of at most a
+/// tenth of a radian; gravity, with v + |g| Δt for v.
 pub struct TimestepSize {
     /// CFL number.
     pub cfl: f64,
@@ -17,9 +21,27 @@ pub struct TimestepSize {
     pub most: f64,
     /// For each material, those that it touches.
     pub touches: Vec<Vec<usize>>,
+    /// What moves as prescribed, whatever matter does.
+    pub movers: Vec<Mover>,
+    /// |g| [m/s²], for the materials that it acts on.
+    pub gravity: Vec<f64>,
     /// Which materials are rigid: they take every tick.
     pub rigid: Vec<bool>,
 }
+
+/// Something whose motion is known beforehand.
+#[derive(Clone, Debug)]
+pub struct Mover {
+    /// How it moves.
+    pub motion: Motion,
+    /// How far its points are from its center [m].
+    pub radius: f64,
+    /// The materials that it meets.
+    pub meets: Vec<usize>,
+}
+
+/// The most that anything turns in a step [rad].
+const TURN: f64 = 0.1;
 
 engine::task! { Once task TimestepSize {
     requires old { speed: SignalSpeed }
@@ -41,7 +63,7 @@ impl TimestepSize {
         }
         for (m, step) in steps.iter_mut().enumerate().filter(|(_, step)| step.last <= clock.number) {
             let left = clock.last - clock.number;
-            let alone = self.alone(speeds, m);
+            let alone = self.alone(speeds, m, clock.time);
             // a hair more, so that rounding does not cost a tick
             let ticks = if self.rigid[m] { 1.0 } else { (alone / clock.tick * (1.0 + 1e-9)).floor() };
             let ticks = (left / (left / ticks.clamp(1.0, left)).ceil()).ceil();
@@ -57,12 +79,11 @@ impl TimestepSize {
 
     /// A new step, and the size of its ticks.
     fn begin(&self, clock: &mut Clock, speeds: &[[Wide; 3]]) {
-        let of = |m: usize, kind: usize| largest(&speeds[m][kind]);
         let all = 0..speeds.len();
-        let (fastest, speed) =
-            all.clone().map(|m| (m, of(m, 0))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
-        let tick = self.cfl * self.cell / speed;
-        let deformable = all.filter(|&m| !self.rigid[m]).map(|m| (m, self.alone(speeds, m)));
+        let own = |m: usize| self.longest(m, largest(&speeds[m][0]), largest(&speeds[m][1]), clock.time);
+        let (fastest, tick) =
+            all.clone().map(|m| (m, own(m))).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY));
+        let deformable = all.filter(|&m| !self.rigid[m]).map(|m| (m, self.alone(speeds, m, clock.time)));
         let (slowest, longest) = deformable.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((fastest, tick));
 
         let left = clock.until - clock.time;
@@ -74,14 +95,28 @@ impl TimestepSize {
         clock.end = if stable < left { clock.time + whole } else { clock.until };
         clock.tick = whole / ticks;
         clock.last = clock.number + ticks;
-        clock.speed = speed;
+        clock.speed = self.cfl * self.cell / tick;
     }
 
-    /// The longest step that a material could take [s].
-    fn alone(&self, speeds: &[[Wide; 3]], material: usize) -> f64 {
+    /// The longest step that a material could take [s], which heeds those that touch it.
+    fn alone(&self, speeds: &[[Wide; 3]], material: usize, time: f64) -> f64 {
         let [signal, sound, _] = speeds[material].each_ref().map(largest);
         let others = self.touches[material].iter().map(|&other| sound + largest(&speeds[other][2]));
-        self.cfl * self.cell / others.fold(signal, f64::max)
+        self.longest(material, others.fold(signal, f64::max), sound, time)
+    }
+
+    /// The longest step [s] of a material with this signal speed and speed of sound.
+    fn longest(&self, material: usize, signal: f64, sound: f64, time: f64) -> f64 {
+        let way = self.cfl * self.cell;
+        let (mut speed, mut turning) = (signal, 0.0f64);
+        for mover in self.movers.iter().filter(|mover| mover.meets.contains(&material)) {
+            // until when is not known before: at most until this
+            let until = time + (way / signal).min(1e30);
+            speed = speed.max(sound + mover.motion.fastest(time, until, mover.radius));
+            turning = turning.max(mover.motion.fastest_turn(time, until));
+        }
+        let fallen = 2.0 * way / (speed + (speed * speed + 4.0 * self.gravity[material] * way).sqrt());
+        fallen.min(TURN / turning)
     }
 }
 

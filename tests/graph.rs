@@ -361,8 +361,12 @@ fn labels_that_no_task_uses_take_no_memory() {
 fn materials_that_do_not_touch_have_no_contact() {
     let none = step(&common::problem("slab-quick", &[("contact", "")]));
     assert!(stages(&none).iter().flatten().flatten().all(|name| !name.contains("Contact")));
+    let free = step(&common::problem("slab-rigid", &[]));
+    for task in ["RigidFlow", "RigidVelocity", "RigidContact", "RigidMotion", "Follow"] {
+        assert!(free.graph.node_weights().any(|node| node.declaration.name == task), "{task}");
+    }
     let rigid = step(&common::problem("sliding-block", &[]));
-    let wanted = ["RigidFlow", "RigidVelocity", "RigidMotion", "Follow"];
+    let wanted = ["RigidPlan", "ToolScatter", "Tools", "RigidMotion"];
     let names: Vec<&str> = rigid.graph.node_weights().map(|node| node.declaration.name).collect();
     assert!(wanted.iter().all(|name| names.contains(name)), "{names:?}");
     assert!(wanted.iter().all(|name| !self::names(&common::scene(ONE, &[])).contains(name)));

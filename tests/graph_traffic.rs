@@ -93,8 +93,7 @@ fn brute(shown: &Shown, part: impl Fn(usize) -> usize) -> Counted {
 
 #[test]
 fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
-    for (name, patches) in
-        [("slab-quick", [2, 1, 2]), ("two-spheres", [2, 1, 2]), ("sliding-block", [4, 1, 1])]
+    for (name, patches) in [("slab-quick", [2, 1, 2]), ("two-spheres", [2, 1, 2]), ("slab-rigid", [2, 1, 2])]
     {
         let shown = shown(name, &[], patches, 3);
         let traffic = &shown.plan.traffic;
@@ -140,7 +139,7 @@ fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
             let heads: u64 =
                 heads.flat_map(|(_, passing)| passing).map(|passing| LINE * passing.adders).sum();
             // the motion of rigid bodies travels, although no task takes it
-            let rigid = name == "sliding-block";
+            let rigid = name == "slab-rigid";
             assert!(
                 sent >= heads + bytes(expanded, &halos) && (rigid || sent == heads + bytes(expanded, &halos))
             );
@@ -289,6 +288,7 @@ fn the_first_step_sends_what_the_graph_shows_to_the_byte() {
         ("slab-quick", [3, 1, 2], 4),
         ("two-spheres", [2, 1, 2], 2),
         ("sliding-block", [4, 1, 1], 3),
+        ("slab-rigid", [2, 1, 2], 3),
     ] {
         let mut shown = shown(name, &[], patches, ranks);
         (shown.scene.run.threads, shown.scene.run.steps) = (Some(1), Some(1));
@@ -326,7 +326,7 @@ fn the_first_step_sends_what_the_graph_shows_to_the_byte() {
             pairs.iter().for_each(|(&pair, m)| sum.entry(pair).or_default().add(m.count, m.bytes));
         }
         assert!(wanted.values().all(|pairs| !pairs.is_empty()), "{wanted:?}");
-        if name != "sliding-block" {
+        if name != "slab-rigid" {
             assert_eq!(on_channel, wanted, "{name} {patches:?} on {ranks} ranks");
             continue;
         }

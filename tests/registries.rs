@@ -24,7 +24,7 @@ fn defaults(parameters: &[Parameter]) -> Values {
             Kind::Flag(on) => {
                 values.flags.insert(key, on);
             }
-            Kind::Motion => {
+            Kind::Motion { .. } => {
                 values.motions.insert(key, ramp());
             }
         }
@@ -138,12 +138,15 @@ fn face_conditions_correct_once() {
 }
 
 #[test]
-fn a_moving_face_follows_its_table() {
-    let (_, face) = built(faces::CONDITIONS).find(|(name, _)| *name == "velocity").expect("moving faces");
-    for (time, wanted) in [(0.0, [3.0, -1.0, 0.5]), (1.5, [0.5, 1.5, 0.375]), (9.0, [-2.0, 4.0, 0.25])] {
-        let v = [0.125, -0.5, 8.0];
-        let held: [f64; 3] = from_fn(|a| v[a] + face.correction(0, time, v)[a]);
-        assert_eq!(norm(minus(held, wanted)), 0.0, "at {time} s");
+fn walls_follow_their_tables() {
+    for (name, bonds) in [("velocity", true), ("plate", false)] {
+        let (_, face) = built(faces::CONDITIONS).find(|(other, _)| *other == name).expect("walls");
+        let wall = face.wall().expect("a wall");
+        assert_eq!((wall.law.is_bond(), face.image(), face.acts()), (bonds, None, false));
+        for (time, wanted) in [(0.0, [3.0, -1.0, 0.5]), (1.5, [0.5, 1.5, 0.375]), (9.0, [-2.0, 4.0, 0.25])] {
+            let way = wall.course.way(time, time + 1e-6).map(|way| way / 1e-6);
+            assert!(norm(minus(way, wanted)) < 1e-5, "{name} at {time} s: {way:?}");
+        }
     }
 }
 

@@ -96,18 +96,23 @@ fn material(name: &str, given: &Node) -> Outcome<Material> {
 
 fn rigid_motion(name: &str, given: &Node) -> Outcome<RigidMotion> {
     debug_assert_eq!(given.get("law").word(), RIGID);
-    let angular_velocity = given.get("angular-velocity").vector();
-    match (given.get("motion").word(), given.find("velocity")) {
-        ("free", None) => Ok(RigidMotion::Free { angular_velocity }),
-        ("free", Some(velocity)) => {
-            let message = format!("`material.{name}.velocity` has no meaning for a free motion");
-            Err(Fault::new(velocity.place, message)
-                .help("give the velocity at the start to the body, or set `motion = \"prescribed\"`"))
+    let spin = given.get("angular-velocity");
+    if given.get("motion").word() != "free" {
+        let Motion { course, spin, .. } = motion(given)?;
+        let center = given.find("center").map(Node::vector);
+        return Ok(RigidMotion::Prescribed { course, spin, center, visible: given.get("visible").flag() });
+    }
+    for key in ["velocity", "displacement", "center"] {
+        if let Some(value) = given.find(key) {
+            let message = format!("`material.{name}.{key}` has no meaning for a free motion");
+            return Err(Fault::new(value.place, message)
+                .help("give the velocity at the start to the body, or set `motion = \"prescribed\"`"));
         }
-        (_, velocity) => {
-            let velocity = velocity.map_or_else(|| Table(vec![(0.0, [0.0; 3])]), choose::in_time);
-            Ok(RigidMotion::Prescribed { velocity, angular_velocity })
-        }
+    }
+    match &choose::in_time(spin).0[..] {
+        &[(_, angular_velocity)] => Ok(RigidMotion::Free { angular_velocity }),
+        _ => Err(Fault::new(spin.place, format!("`material.{name}.angular-velocity` is given in time"))
+            .help("a free body has one at the start: give one vector, or set `motion = \"prescribed\"`")),
     }
 }
 
@@ -185,6 +190,12 @@ fn contact(given: &Node, materials: &[Material], path: &str) -> Outcome<Contact>
         let name = &materials[pair[0]].name;
         let message = format!("material {name:?} cannot be in contact with itself");
         let help = "bodies of one material share a velocity field: make a second material of the same law";
+        return Err(Fault::new(between.place, message).help(help));
+    }
+    if pair.iter().all(|&m| matches!(materials[m].behavior, Behavior::Rigid(_))) {
+        let [a, b] = pair.map(|m| &materials[m].name);
+        let message = format!("materials {a:?} and {b:?} are both rigid: their contact is not modelled");
+        let help = "make one of them deformable, or leave the contact out: then they pass through each other";
         return Err(Fault::new(between.place, message).help(help));
     }
     pair.sort_unstable();
@@ -270,7 +281,8 @@ fn motion(given: &Node) -> Outcome<Motion> {
         }
     };
     let spin = choose::in_time(given.get("angular-velocity"));
-    Ok(Motion { course, spin, center: given.get("center").vector() })
+    let center = given.find("center").map_or([0.0; 3], Node::vector);
+    Ok(Motion { course, spin, center })
 }
 
 fn run(given: &Node) -> Run {

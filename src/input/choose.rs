@@ -56,7 +56,7 @@ fn take(values: &mut Values, parameter: &Parameter, given: &Node) {
         Kind::Number { .. } => drop(values.numbers.insert(key, given.number())),
         Kind::Choice(_) => drop(values.choices.insert(key, given.word().to_owned())),
         Kind::Flag(_) => drop(values.flags.insert(key, given.flag())),
-        Kind::Motion => drop(values.motions.insert(key, in_time(given))),
+        Kind::Motion { .. } => drop(values.motions.insert(key, in_time(given))),
     }
 }
 

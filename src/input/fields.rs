@@ -70,21 +70,35 @@ static RIGID_FIELDS: &[Field] = &[
     Field::required(
         "motion",
         Form::Choice(&["free", "prescribed"]),
-        "\"free\": contact and gravity move it, from the \
-        `velocity` of its bodies; \"prescribed\": it moves as `velocity` says.",
+        "\"free\": contact and gravity move it, from the `velocity` of its bodies; \"prescribed\": it is a tool, a shape that moves \
+        as `velocity` or `displacement` says, whatever meets it.",
     ),
     Field::optional(
         "velocity",
         Form::InTime(Velocity),
-        "Velocity of the center of mass in time (prescribed motion only; \
-        absent: at rest).",
+        "Velocity of the center in time (prescribed motion only; absent: at rest).",
+    ),
+    Field::optional(
+        "displacement",
+        Form::InTime(Length),
+        "Displacement of the center in time, instead of a velocity (prescribed motion only).",
     ),
     Field::with_default(
         "angular-velocity",
-        Form::Vector(AngularVelocity, 3),
+        Form::InTime(AngularVelocity),
         ZERO,
-        "Angular velocity about the \
-        center of mass: at the start (free) or always (prescribed).",
+        "Angular velocity about the center: at the start (free), or in time (prescribed).",
+    ),
+    Field::optional(
+        "center",
+        POINT,
+        "The center at the start, about which it turns (prescribed motion only); absent: that of its shape.",
+    ),
+    Field::with_default(
+        "visible",
+        Form::Flag,
+        Absent::Flag(false),
+        "Whether particles show where a prescribed body is: matter meets its shape, and not them.",
     ),
 ];
 

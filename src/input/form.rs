@@ -161,7 +161,10 @@ impl From<&Parameter> for Field {
                 (Form::Choice(words), words.first().map_or(Absent::Refused, |word| Absent::Word(word)))
             }
             Kind::Flag(default) => (Form::Flag, Absent::Flag(default)),
-            Kind::Motion => (Form::InTime(Dimension::Velocity), Absent::Refused),
+            Kind::Motion { rest } => {
+                let absent = if rest { Absent::Vector([0.0; 3]) } else { Absent::Refused };
+                (Form::InTime(Dimension::Velocity), absent)
+            }
         };
         Self { key: parameter.key, form, absent, meaning: parameter.meaning }
     }

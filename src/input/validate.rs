@@ -52,6 +52,12 @@ fn bodies(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
             return Err(Fault::new(node.get("name").place, message).help("give each body a name of its own"));
         }
         rigid_start(scene, i, node)?;
+        if scene.materials[body.material].is_tool() {
+            turns_about(scene, body, node)?;
+        }
+        if !scene.materials[body.material].has_particles() {
+            continue;
+        }
         in_domain(&scene.domain, body, node, most)?;
         particles += counted(scene, body, node, particles, most)?;
     }
@@ -138,6 +144,23 @@ fn size(cells: &[Range<i64>; 3]) -> f64 {
 
 fn particles_of_a_cell(body: &Body) -> f64 {
     body.particles_per_cell.iter().product::<usize>() as f64
+}
+
+/// A tool that turns and has no end, or ends beyond the domain, says about what.
+fn turns_about(scene: &Scene, body: &Body, node: &Node) -> Outcome<()> {
+    let material = &scene.materials[body.material];
+    let Behavior::Rigid(RigidMotion::Prescribed { spin, center: None, .. }) = &material.behavior else {
+        return Ok(());
+    };
+    let (lower, upper) = body.solid.bounds();
+    let (from, to) = inside(&scene.domain);
+    let within = (0..3).all(|a| from[a] <= lower[a] && upper[a] <= to[a]);
+    if within || spin.0.iter().all(|(_, spin)| *spin == [0.0; 3]) {
+        return Ok(());
+    }
+    let message =
+        format!("body {:?} turns and is not wholly in the domain: about what does it turn?", body.name);
+    Err(Fault::new(node.get("shape").place, message).help(format!("set `material.{}.center`", material.name)))
 }
 
 /// Bodies of one free rigid material start with one velocity.

@@ -67,7 +67,8 @@ pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
     let nothing = |_| ParticleLayout::new(&SCHEMA, [], BTreeMap::new());
     let tiles = recipes::tick(scene).tiles;
     let mut warehouse = populate::empty(scene, decomposition, partition, nothing, [], &tiles);
-    for body in &scene.bodies {
+    populate::place_bodies(scene, &mut warehouse);
+    for body in scene.bodies.iter().filter(|body| scene.materials[body.material].has_particles()) {
         for x in sampling::sample(scene, body) {
             // a body that leaves the level is refused by the run; here the rest of it counts
             let _ = warehouse.insert(body.material, x, &[]);

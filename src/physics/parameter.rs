@@ -80,8 +80,11 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// true or false, with the default.
     Flag(bool),
-    /// A velocity in time, which the scene must give.
-    Motion,
+    /// A velocity in time, which the scene must give unless it is rest where it gives none.
+    Motion {
+        /// Whether the scene need not give it.
+        rest: bool,
+    },
 }
 
 /// One parameter.
@@ -127,7 +130,12 @@ impl Parameter {
 
     /// A velocity in time that the scene must give.
     pub const fn motion(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, kind: Kind::Motion, meaning }
+        Self { key, kind: Kind::Motion { rest: false }, meaning }
+    }
+
+    /// A velocity in time; rest, if the scene gives none.
+    pub const fn motion_or_rest(key: &'static str, meaning: &'static str) -> Self {
+        Self { key, kind: Kind::Motion { rest: true }, meaning }
     }
 
     /// A number of at least `least`, with a default (`None`: the scene must give it).

@@ -1,6 +1,5 @@
 //! What is simulated: a validated scene, everything in SI units, names resolved to indices, geometry ready to sample.
 //! `sinew::input` makes it from TOML.
-pub mod geometry;
 pub mod sampling;
 
 use geometry::Solid;
@@ -8,12 +7,41 @@ pub use physics::contact::Contact;
 use physics::faces::AnyFaceCondition;
 use physics::materials::AnyLaw;
 pub use physics::motion::{Course, Motion};
+pub use physics::solid as geometry;
 pub use physics::table::Table;
 pub use physics::viscosity::Viscosity;
 use std::collections::BTreeMap;
 
 /// The most materials of a scene: frames name each by 16 bits.
 pub const MOST_MATERIALS: usize = 1 << 16;
+
+impl Material {
+    /// Whether it is a tool: rigid, with a motion that is prescribed.
+    pub fn is_tool(&self) -> bool {
+        matches!(self.behavior, Behavior::Rigid(RigidMotion::Prescribed { .. }))
+    }
+
+    /// Whether its bodies are filled with particles: those of a tool are only to be seen.
+    pub fn has_particles(&self) -> bool {
+        !matches!(self.behavior, Behavior::Rigid(RigidMotion::Prescribed { visible: false, .. }))
+    }
+}
+
+impl Scene {
+    /// What a material fills at the start: the solids of all its bodies.
+    pub fn shape(&self, material: usize) -> Solid {
+        let mut solids: Vec<Solid> = self.bodies_of(material).map(|body| body.solid.clone()).collect();
+        match solids.len() {
+            1 => solids.remove(0),
+            _ => Solid::Union(solids),
+        }
+    }
+
+    /// The bodies of a material.
+    pub fn bodies_of(&self, material: usize) -> impl Iterator<Item = &Body> {
+        self.bodies.iter().filter(move |body| body.material == material)
+    }
+}
 
 /// What to simulate.
 #[derive(Clone, Debug)]
@@ -87,12 +115,16 @@ pub enum RigidMotion {
         /// ω at the start [rad/s], about the center of mass.
         angular_velocity: [f64; 3],
     },
-    /// A velocity in time, and a constant angular velocity [rad/s] about the center of mass.
+    /// It moves as prescribed, whatever meets it: a tool. It is its shape, and has no particles but to be seen.
     Prescribed {
-        /// Velocity of the center of mass in time.
-        velocity: Table,
-        /// ω [rad/s]
-        angular_velocity: [f64; 3],
+        /// How its center moves.
+        course: Course,
+        /// Angular velocity in time [rad/s].
+        spin: Table,
+        /// Its center at the start [m]; `None`: that of its shape.
+        center: Option<[f64; 3]>,
+        /// Whether particles show where it is.
+        visible: bool,
     },
 }
 

@@ -12,6 +12,7 @@ use simd::Wide;
 use tasks::labels;
 use tasks::reactions::NUMBERS;
 use tasks::recipes::{Giver, Givers};
+use tasks::rigid::state::RigidState;
 
 /// What the report graph computes.
 pub const REPORTED: &[LabelId] = &[
@@ -53,7 +54,9 @@ pub struct MaterialReport {
     pub mass: f64,
     /// Momentum [N s].
     pub momentum: [f64; 3],
-    /// Center of mass [m].
+    /// How a tool moves [m/s], which has no mass.
+    pub tool: Option<[f64; 3]>,
+    /// Center of mass [m]; of a tool, that about which it turns.
     pub center: [f64; 3],
     /// The box around its particles [m]; `None` if there are none.
     pub extent: Option<[[f64; 3]; 2]>,
@@ -72,6 +75,9 @@ pub struct MaterialReport {
 impl MaterialReport {
     /// Mean velocity [m/s].
     pub fn velocity(&self) -> [f64; 3] {
+        if let Some(velocity) = self.tool {
+            return velocity;
+        }
         self.momentum.map(|p| if self.mass > 0.0 { p / self.mass } else { 0.0 })
     }
 
@@ -337,6 +343,9 @@ impl Ledger {
         let law = declared(&scene.materials[material].behavior);
         let first = self.first.get(material).copied().unwrap_or_default();
         let vector = |first: usize| [motion[first], motion[first + 1], motion[first + 2]];
+        let center = vector(4).map(|c| if motion[0] > 0.0 { c / motion[0] } else { 0.0 });
+        let state = || shared.get::<RigidState>(labels::RigidMotion::ID, material);
+        let tool = scene.materials[material].is_tool().then(state);
         let blocks = warehouse.blocks().filter(|(m, _)| *m == material);
         MaterialReport {
             energies: Energies {
@@ -348,7 +357,8 @@ impl Ledger {
             },
             mass: motion[0],
             momentum: vector(1),
-            center: vector(4).map(|c| if motion[0] > 0.0 { c / motion[0] } else { 0.0 }),
+            tool: tool.map(|state| state.velocity),
+            center: tool.map_or(center, |state| state.center),
             extent: extent.as_flattened().iter().all(|x| x.is_finite()).then_some(extent),
             largest: law.history.iter().zip(&largest).map(|(it, line)| (it.name, most(line))).collect(),
             angular_momentum: vector(7),

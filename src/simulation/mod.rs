@@ -17,7 +17,7 @@ mod together;
 
 pub use balance::Balance;
 pub use fault::RunError;
-pub use ledger::{Energies, Ledger, MaterialReport, Report};
+pub use ledger::{Energies, GiverReport, Ledger, MaterialReport, Report};
 pub use snapshot::Snapshot;
 
 use crate::output;

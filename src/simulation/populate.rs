@@ -1,11 +1,12 @@
 //! From bodies to particles.
 use super::fault::RunError;
 use engine::data::layout::ParticleLayout;
+use engine::data::nearby::Nearby;
 use engine::data::rates::Clock;
 use engine::data::warehouse::{MaterialData, Warehouse};
 use engine::program::Program;
 use engine::schema::{Label, LabelId, Tiles};
-use grid::{Decomposition, Partition};
+use grid::{BLOCK, Decomposition, Partition, REACH};
 use nalgebra::{Matrix3, Vector3};
 use physics::law::{Declared, Law, Reference};
 use physics::materials::WithLaw;
@@ -15,7 +16,7 @@ use tasks::labels::{
     DriveIndex, History, Identity, InitialVolume, Mass, Position, ReferencePosition, SCHEMA, Time, Velocity,
     Volume,
 };
-use tasks::recipes;
+use tasks::recipes::{self, Givers};
 use tasks::rigid::state::RigidState;
 
 /// Puts the particles of `scene` into the patches of this rank.
@@ -30,12 +31,19 @@ pub fn populate(scene: &Scene, warehouse: &mut Warehouse) -> Result<(), RunError
             let material = scene.materials[body.material].name.clone();
             return Err(RunError::Resolution { material });
         }
-        add_body(scene, index, warehouse, &mut identity)?;
+        if scene.materials[body.material].has_particles() {
+            add_body(scene, index, warehouse, &mut identity)?;
+        }
     }
     let clock = Clock { until: scene.run.until, ..bytemuck::Zeroable::zeroed() };
     warehouse.shared.set(Time::ID, 0, clock);
-    (0..scene.materials.len()).for_each(|m| start_rigid(scene, warehouse, m));
+    place_bodies(scene, warehouse);
     Ok(())
+}
+
+/// Puts rigid bodies where they are at the start.
+pub fn place_bodies(scene: &Scene, warehouse: &mut Warehouse) {
+    (0..scene.materials.len()).for_each(|m| start_rigid(scene, warehouse, m));
 }
 
 /// A warehouse for `scene` without particles; `layout` says which labels a material has.
@@ -59,8 +67,23 @@ pub fn empty(
     let (level, cut) = (super::layout::level(scene), (decomposition, partition));
     let mut warehouse = Warehouse::new(&SCHEMA, level, cut, materials.collect(), node_labels);
     warehouse.set_tiles(tiles);
+    warehouse.nearby = nearby(scene);
     warehouse.own_rates = scene.run.rates != Rates::Common;
     warehouse
+}
+
+/// Blocks are near a tool if it comes within the nodes that their particles touch, and two cells.
+fn nearby(scene: &Scene) -> Option<Nearby> {
+    let tools = recipes::tools(scene, &Givers::of(scene));
+    // from the middle of a block to the farthest corner of its buffer
+    let reach = (3f64.sqrt() * (0.5 * f64::from(BLOCK) + f64::from(REACH)) + 2.0) * scene.domain.cell;
+    (!tools.is_empty()).then(|| {
+        Nearby::new(move |shared, material, middle| {
+            let clock: Clock = shared.get(Time::ID, 0);
+            let bodies: &[RigidState] = bytemuck::cast_slice(shared.column(RigidMotionLabel::ID));
+            tools.iter().any(|tool| tool.meets(material) && tool.is_beside(&clock, bodies, middle, reach))
+        })
+    })
 }
 
 /// The labels that the tasks of `program` need of a material's particles, and those that every run needs.
@@ -171,16 +194,22 @@ fn start_rigid(scene: &Scene, warehouse: &mut Warehouse, material: usize) {
         let r = x - center;
         second += m * (Matrix3::identity() * r.norm_squared() - r * r.transpose());
     }
-    let (velocity, angular, free) = match motion {
-        RigidMotion::Free { angular_velocity } => ((momentum / mass).into(), *angular_velocity, 1.0),
-        RigidMotion::Prescribed { velocity, angular_velocity } => (velocity.at(0.0), *angular_velocity, 0.0),
+    let (center, velocity, angular, free) = match motion {
+        RigidMotion::Free { angular_velocity } => (center, (momentum / mass).into(), *angular_velocity, 1.0),
+        // of a tool only its center counts: where it says, or that of what is in the domain
+        RigidMotion::Prescribed { center: given, .. } => {
+            let center = if mass > 0.0 { center } else { Vector3::zeros() };
+            (given.map_or(center, Vector3::from), [0.0; 3], [0.0; 3], 0.0)
+        }
     };
     let mut body = RigidState {
-        mass,
+        // what is there and has no mass would not be there
+        mass: if mass > 0.0 { mass } else { f64::MIN_POSITIVE },
         center: center.into(),
         velocity,
         angular,
         free,
+        origin: center.into(),
         inertia: std::array::from_fn(|n| second[(n / 3, n % 3)]),
         ..bytemuck::Zeroable::zeroed()
     };

@@ -79,7 +79,8 @@ fn speeds(scene: &Scene, material: usize) -> [f64; 2] {
     match &it.behavior {
         Behavior::Deformable(law) => [(law.visit(WaveModulus) / it.density).sqrt(), bodies],
         Behavior::Rigid(RigidMotion::Free { .. }) => [0.0, bodies],
-        Behavior::Rigid(RigidMotion::Prescribed { velocity, .. }) => [0.0, size(velocity.at(0.0))],
+        // tools are heeded by those whom they meet
+        Behavior::Rigid(RigidMotion::Prescribed { .. }) => [0.0; 2],
     }
 }
 

@@ -1,16 +1,20 @@
 //! The lines of recipes, as a scene asks for them.
 use super::givers::{Giver, Givers};
+use super::tools::{meets_tools, tools};
 use crate::advance::Advance;
 use crate::boundary::Boundary;
 use crate::contact::{Contact, FieldPair};
 use crate::contact_begin::ContactBegin;
+use crate::contact_flow::ContactFlow;
 use crate::contact_power::ContactPower;
+use crate::contact_scatter::ContactScatter;
 use crate::drive::Drive;
 use crate::drive_nodes::DriveNodes;
 use crate::drive_scatter::DriveScatter;
 use crate::drives::{DriveMotion, Drives};
 use crate::fold::Fold;
 use crate::fold_surfaces::FoldSurfaces;
+use crate::fold_tools::FoldTools;
 use crate::images::Images;
 use crate::labels::{Reactions, SCHEMA};
 use crate::load_power::LoadPower;
@@ -20,8 +24,11 @@ use crate::reflection::Reflection;
 use crate::rigid::contact::RigidContact;
 use crate::rigid::follow::Follow;
 use crate::rigid::motion::RigidMotion;
+use crate::rigid::plan::RigidPlan;
 use crate::rigid::velocity::RigidVelocity;
 use crate::stress::Stress;
+use crate::tool_scatter::ToolScatter;
+use crate::tools::Tools;
 use crate::viscosity::Viscosity;
 use crate::weights::Weights;
 use engine::data::extent::Bases;
@@ -97,8 +104,58 @@ impl<'a> Builder<'a> {
         Bases { inverse_cell: self.inverse_cell(), half_size: half_size(self.scene, material) }
     }
 
+    /// Whether the particles of a material meet those of others.
     pub(super) fn touches(&self, material: usize) -> bool {
-        self.scene.contacts.iter().any(|c| c.between.contains(&material))
+        self.meetings().any(|(_, c)| c.between.contains(&material))
+    }
+
+    /// Contacts between materials that both have particles, with their numbers.
+    fn meetings(&self) -> impl Iterator<Item = (usize, &'a scene::Contact)> + use<'a> {
+        let scene = self.scene;
+        let tool = move |c: &scene::Contact| c.between.iter().any(|&m| scene.materials[m].is_tool());
+        scene.contacts.iter().enumerate().filter(move |(_, c)| !tool(c))
+    }
+
+    /// What the particles of a material tell of its surface, where something is near.
+    pub(super) fn surfaces(&mut self, material: usize) {
+        let (touches, tools) = (self.touches(material), meets_tools(self.scene, material));
+        if touches || tools {
+            self.add(material, "contact", ContactFlow);
+        }
+        if touches {
+            self.add(material, "contact", ContactScatter);
+        }
+        if tools {
+            self.add(material, "contact", ToolScatter);
+        }
+    }
+
+    pub(super) fn tools(&mut self) {
+        let tools = tools(self.scene, &self.givers);
+        if !tools.is_empty() {
+            let (lattice, least_mass, surfaces) = (self.lattice, self.least_mass, self.surface_tables());
+            self.all("contact", Tools { tools, lattice, least_mass, surfaces });
+        }
+    }
+
+    /// Where the surface of each material lies.
+    fn surface_tables(&self) -> Vec<SurfaceTable> {
+        let table = |m: usize| {
+            let mean = |numbers: [f64; 3]| numbers.iter().sum::<f64>() / 3.0;
+            SurfaceTable::new(0.5 * mean(spacing(self.scene, m)), mean(half_size(self.scene, m)))
+        };
+        (0..self.scene.materials.len()).map(table).collect()
+    }
+
+    pub(super) fn rigid_plan(&mut self) {
+        let prescribed = self.scene.materials.iter().map(|m| match &m.behavior {
+            Behavior::Rigid(Motion::Prescribed { course, spin, .. }) => Some((course.clone(), spin.clone())),
+            _ => None,
+        });
+        let prescribed: Vec<_> = prescribed.collect();
+        if prescribed.iter().any(Option::is_some) {
+            self.all("material", RigidPlan { prescribed });
+        }
     }
 
     pub(super) fn weights(&mut self, material: usize) {
@@ -125,13 +182,17 @@ impl<'a> Builder<'a> {
 
     pub(super) fn fold(&mut self, material: usize) {
         let (images, tiles, lattice) = (self.images(), self.tiles_of_faces(), self.lattice);
+        let tools = meets_tools(self.scene, material);
         if images.is_empty() {
             return;
         }
         let pic = if self.rigid[material] { 0.0 } else { self.scene.run.pic };
         self.add(material, "boundary", Fold { images: images.clone(), tiles, lattice, pic });
         if self.touches(material) {
-            self.add(material, "boundary", FoldSurfaces { images, lattice });
+            self.add(material, "boundary", FoldSurfaces { images: images.clone(), lattice });
+        }
+        if tools {
+            self.add(material, "boundary", FoldTools { images, lattice });
         }
     }
 
@@ -143,40 +204,36 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn rigid_velocity(&mut self) {
-        if self.rigid.contains(&true) {
-            let task = RigidVelocity { lattice: self.lattice, rigid: self.rigid.clone() };
+        if self.free().contains(&true) {
+            let task = RigidVelocity { lattice: self.lattice, rigid: self.free() };
             self.all("material", task);
         }
     }
 
     pub(super) fn contact_begin(&mut self) {
-        if !self.scene.contacts.is_empty() {
+        if self.meetings().next().is_some() {
             self.all("contact", ContactBegin);
         }
     }
 
     pub(super) fn contact_power(&mut self) {
-        if !self.scene.contacts.is_empty() {
+        if self.meetings().next().is_some() {
             self.all("contact", ContactPower);
         }
     }
 
     pub(super) fn contact(&mut self) {
-        if self.scene.contacts.is_empty() {
+        if self.meetings().next().is_none() {
             return;
         }
-        let surfaces = (0..self.scene.materials.len()).map(|m| {
-            let mean = |numbers: [f64; 3]| numbers.iter().sum::<f64>() / 3.0;
-            SurfaceTable::new(0.5 * mean(spacing(self.scene, m)), mean(half_size(self.scene, m)))
-        });
         let task = Contact {
-            pairs: field_pairs(self.scene, &self.givers),
+            pairs: self.field_pairs(),
             lattice: self.lattice,
             least_mass: self.least_mass,
             rigid: self.rigid.clone(),
-            surfaces: surfaces.collect(),
+            surfaces: self.surface_tables(),
         };
-        if self.rigid.contains(&true) {
+        if self.free().contains(&true) {
             self.all("contact", RigidContact(task));
         } else {
             self.all("contact", task);
@@ -222,14 +279,15 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// Which materials are rigid bodies that contact moves.
+    pub(super) fn free(&self) -> Vec<bool> {
+        let free = |m: &scene::Material| matches!(m.behavior, Behavior::Rigid(Motion::Free { .. }));
+        self.scene.materials.iter().map(free).collect()
+    }
+
     pub(super) fn rigid_motion(&mut self) {
-        let prescribed = self.scene.materials.iter().map(|m| match &m.behavior {
-            Behavior::Rigid(Motion::Prescribed { velocity, .. }) => Some(velocity.clone()),
-            _ => None,
-        });
         let tiles = (0..self.scene.materials.len()).map(|m| self.givers.tile(Giver::Rigid(m)));
         let task = RigidMotion {
-            prescribed: prescribed.collect(),
             gravity: self.scene.gravity,
             tiles: tiles.collect(),
             loads: self.givers.tile(Giver::Loads),
@@ -286,6 +344,20 @@ impl<'a> Builder<'a> {
     pub(super) fn follow(&mut self, material: usize) {
         self.add(material, "material", Follow { bases: self.bases(material) });
     }
+
+    /// The pairs of fields that touch: of two materials in contact, each field of one and each of the other.
+    fn field_pairs(&self) -> Vec<FieldPair> {
+        let (fields, mut pairs) = (fields(self.scene), Vec::new());
+        for (number, contact) in self.meetings() {
+            let tile = self.givers.tile(Giver::Contact(number)).unwrap_or(0);
+            let [first, second] = contact.between.map(|m| fields.of(m));
+            for between in first.flat_map(|a| second.clone().map(move |b| [a, b])) {
+                let (between, law, gap) = (between.map(FieldId::new), contact.law, contact.gap);
+                pairs.push(FieldPair { between, law, gap, tile });
+            }
+        }
+        pairs
+    }
 }
 
 struct AddStress<'a, 'b>(&'a mut Builder<'b>, usize);
@@ -318,22 +390,4 @@ pub(super) fn rigid(scene: &Scene) -> Vec<bool> {
 /// The velocity fields of a scene: one for each material.
 pub fn fields(scene: &Scene) -> Fields {
     Fields::new(scene.materials.iter().map(|_| 1))
-}
-
-/// The pairs of fields that touch: of two materials in contact, each field of one and each of the other.
-fn field_pairs(scene: &Scene, givers: &Givers) -> Vec<FieldPair> {
-    let (fields, mut pairs) = (fields(scene), Vec::new());
-    for (number, contact) in scene.contacts.iter().enumerate() {
-        let tile = givers.tile(Giver::Contact(number)).unwrap_or(0);
-        let [first, second] = contact.between.map(|m| fields.of(m));
-        for between in first.flat_map(|a| second.clone().map(move |b| [a, b])) {
-            pairs.push(FieldPair {
-                between: between.map(FieldId::new),
-                law: contact.law,
-                gap: contact.gap,
-                tile,
-            });
-        }
-    }
-    pairs
 }

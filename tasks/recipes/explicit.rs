@@ -1,8 +1,7 @@
 //! One explicit step of the material point method (USL).
 use super::builder::{Builder, rigid};
+use super::tools::movers;
 use crate::clock::AdvanceClock;
-use crate::contact_flow::ContactFlow;
-use crate::contact_scatter::ContactScatter;
 use crate::gather::Gather;
 use crate::grid_power::GridPower;
 use crate::integrate::Integrate;
@@ -32,8 +31,9 @@ pub fn step(scene: &Scene) -> Vec<Script> {
 pub fn tick(scene: &Scene) -> Recipe {
     let mut recipe = Builder::new(scene);
     recipe.timestep_size();
+    recipe.rigid_plan();
     recipe.reflection();
-    for m in 0..scene.materials.len() {
+    for m in (0..scene.materials.len()).filter(|&m| !scene.materials[m].is_tool()) {
         recipe.weights(m);
         match &scene.materials[m].behavior {
             Behavior::Deformable(_) => {
@@ -44,10 +44,7 @@ pub fn tick(scene: &Scene) -> Recipe {
         }
         recipe.add(m, "", Scatter);
         recipe.drive_scatter(m);
-        if recipe.touches(m) {
-            recipe.add(m, "contact", ContactFlow);
-            recipe.add(m, "contact", ContactScatter);
-        }
+        recipe.surfaces(m);
         recipe.fold(m);
     }
 
@@ -59,6 +56,7 @@ pub fn tick(scene: &Scene) -> Recipe {
     recipe.loads();
     recipe.rigid_velocity();
     recipe.contact();
+    recipe.tools();
     recipe.drive_nodes();
     recipe.boundary();
     recipe.contact_power();
@@ -80,7 +78,8 @@ pub fn tick(scene: &Scene) -> Recipe {
                 recipe.advance(m);
                 recipe.add(m, "", SignalSpeed);
             }
-            Behavior::Rigid(_) => recipe.follow(m),
+            Behavior::Rigid(_) if scene.materials[m].has_particles() => recipe.follow(m),
+            Behavior::Rigid(_) => {}
         }
     }
     recipe.all("", AdvanceClock);
@@ -97,11 +96,15 @@ pub fn timestep_size(scene: &Scene) -> TimestepSize {
         Rates::Common => 1,
         Rates::PerMaterial { most } => most,
     };
+    let gravity = scene.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+    let falls = |m: &scene::Material| if m.is_tool() { 0.0 } else { gravity };
     TimestepSize {
         cfl: scene.run.cfl,
         cell: scene.domain.cell,
         most: f64::from(most),
         touches: (0..scene.materials.len()).map(touching).collect(),
+        movers: movers(scene),
+        gravity: scene.materials.iter().map(falls).collect(),
         rigid: rigid(scene),
     }
 }

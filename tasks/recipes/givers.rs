@@ -50,7 +50,9 @@ impl Givers {
     /// Those of a scene.
     pub fn of(scene: &Scene) -> Self {
         let reflects = scene.run.leaving == scene::Leaving::Reflect;
-        let faces = (0..6).filter(|&face| reflects || scene.faces[face].acts()).map(Giver::Face);
+        let faces = (0..6)
+            .filter(|&face| reflects || scene.faces[face].acts() || scene.faces[face].wall().is_some())
+            .map(Giver::Face);
         let loads = scene.gravity != [0.0; 3] || scene.damping != 0.0;
         let rigid = scene.materials.iter().enumerate().filter(|(_, material)| {
             matches!(material.behavior, Behavior::Rigid(RigidMotion::Prescribed { .. }))

@@ -5,9 +5,11 @@ mod explicit;
 mod givers;
 mod report;
 mod start;
+mod tools;
 
 pub use builder::{fields, half_size};
 pub use explicit::{step, tick, timestep_size};
 pub use givers::{Giver, Givers};
 pub use report::report;
 pub use start::start;
+pub use tools::tools;

@@ -15,7 +15,8 @@ pub fn start(scene: &Scene) -> Recipe {
                 recipe.stress(m, law);
                 recipe.add(m, "", SignalSpeed);
             }
-            Behavior::Rigid(_) => recipe.follow(m),
+            Behavior::Rigid(_) if scene.materials[m].has_particles() => recipe.follow(m),
+            Behavior::Rigid(_) => {}
         }
     }
     recipe.finish()

@@ -9,8 +9,8 @@ use simd::Simd;
 pub struct RigidContact(pub Contact);
 
 engine::task! { Nodes task RigidContact {
-    requires old { bodies: RigidMotion }
     requires new { sums: NodeSums, surfaces: ContactSums }
+    requires now { bodies: RigidMotion }
     computes { on_bodies: RigidImpulse, reactions: Reactions }
     modifies { motion: NodeMotion, impulse: ContactImpulse }
 }}

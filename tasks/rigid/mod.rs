@@ -5,5 +5,6 @@ pub mod contact;
 pub mod flow;
 pub mod follow;
 pub mod motion;
+pub mod plan;
 pub mod state;
 pub mod velocity;

@@ -5,14 +5,11 @@ use crate::rigid::state::RigidState;
 use engine::graph::task::{At, Body};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use physics::contact::{cross, dot};
-use physics::table::Table;
 use simd::Simd;
 
-/// Newton and Euler for rigid bodies: contact impulses and gravity change V and ω, then the body moves.
+/// Newton and Euler for rigid bodies: contact impulses and gravity change V and ω of those that are free; all move.
 /// Where nothing touches, there is no impulse.
 pub struct RigidMotion {
-    /// For each material: the prescribed velocity in time, if it is a prescribed rigid body.
-    pub prescribed: Vec<Option<Table>>,
     /// g [m/s²]
     pub gravity: [f64; 3],
     /// Tiles of `Reactions`: of what holds each prescribed body, and of gravity.
@@ -31,16 +28,15 @@ engine::task! { Once task RigidMotion {
 impl Body for RigidMotion {
     #[inline(always)]
     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
-        let (time, dt) = (io.time[0].time, io.time[0].tick);
+        let dt = io.time[0].tick;
         for (material, body) in io.bodies.iter_mut().enumerate().filter(|(_, b)| b.mass > 0.0) {
             let sums = io.impulse[material].each_ref().map(|sum| sum.value());
-            if let Some(table) = &self.prescribed[material] {
+            if body.free == 0.0 {
                 // whatever holds the body on its way receives what the matter exchanges with it
                 let reaction = held(body, &sums);
                 if let Some(tile) = self.tiles[material] {
                     reaction.store(&mut io.reactions[tile]);
                 }
-                body.velocity = table.at(time + dt);
             } else {
                 let before = body.velocity;
                 push(body, Vector3::new(sums[0], sums[1], sums[2]), Vector3::new(sums[3], sums[4], sums[5]));

@@ -19,8 +19,8 @@ pub struct RigidState {
     pub inertia: [f64; 9],
     /// 1: moved by contact and loads, 0: motion prescribed.
     pub free: f64,
-    /// Makes whole cache lines.
-    pub unused: [f64; 3],
+    /// Where the center is in the reference [m].
+    pub origin: [f64; 3],
 }
 
 impl RigidState {

@@ -14,7 +14,7 @@ pub struct RigidVelocity {
 }
 
 engine::task! { Nodes task RigidVelocity {
-    requires old { bodies: RigidMotion }
+    requires now { bodies: RigidMotion }
     modifies { motion: NodeMotion }
 }}
 

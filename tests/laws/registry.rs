@@ -18,7 +18,7 @@ fn defaults(entry: &Entry<AnyLaw>) -> Values {
             Kind::Flag(on) => {
                 values.flags.insert(p.key, on);
             }
-            Kind::Motion => {
+            Kind::Motion { .. } => {
                 values.motions.insert(p.key, Table(vec![(0.0, [0.0; 3])]));
             }
         }

@@ -99,7 +99,7 @@ fn model(scene: &Scene, laws: [Law; 2]) -> Model {
         AnyFaceCondition::Free(_) => Face::Free,
         AnyFaceCondition::Fixed(_) => Face::Fixed,
         AnyFaceCondition::Symmetric(_) => Face::Symmetric,
-        AnyFaceCondition::Velocity(_) => unimplemented!("the reference has no moving faces"),
+        _ => unimplemented!("the reference has no walls"),
     };
     Model {
         lower: domain.lower.into(),

@@ -2,6 +2,7 @@
 use super::fields::{FieldId, FieldSet};
 use super::layout::NodeLayout;
 use super::map::Map;
+use super::nearby::Nearby;
 use super::nodes::{NOWHERE, NodeBlock, Place};
 use super::particles::ParticleBlock;
 use super::warehouse::{NodePatch, ParticlePatch, Warehouse};
@@ -27,9 +28,24 @@ impl Warehouse {
         };
         let homes: Vec<_> = (0..self.materials.len()).map(|m| Map::of_places(indices(m))).collect();
         self.link(&homes);
-        self.mark_near(&homes);
+        self.mark_meeting(&homes);
+        self.mark_near();
         self.mark_rim();
         self.reactivate = false;
+    }
+
+    /// Marks the blocks whose particles are near others, or near what the application says.
+    pub fn mark_near(&mut self) {
+        let Self { particles, shared, level, nearby, .. } = self;
+        for homes in particles {
+            for (material, home) in homes.iter_mut().enumerate() {
+                for block in &mut home.blocks {
+                    let middle = level.middle(block.index);
+                    let beside = |nearby: &Nearby| nearby.is_beside(shared, material, middle);
+                    block.near = block.meets || nearby.as_ref().is_some_and(beside);
+                }
+            }
+        }
     }
 
     /// How far blocks count: particles of two materials may meet at nodes if their blocks are two apart, and one more
@@ -107,7 +123,7 @@ impl Warehouse {
         }
         let deltas = map.deltas();
         for block in self.particles.iter_mut().flatten().flat_map(|home| &mut home.blocks) {
-            block.near = false;
+            block.meets = false;
             block.around = map.around(block.index, &deltas);
         }
     }
@@ -133,14 +149,14 @@ impl Warehouse {
 
     /// Marks the particle blocks whose particles may share nodes with a material with which theirs interacts: now, or, where
     /// materials have rates of their own, before their own step ends.
-    fn mark_near(&mut self, homes: &[Map<Place>]) {
+    fn mark_meeting(&mut self, homes: &[Map<Place>]) {
         let apart = self.sight();
         let cube = IndexBox { lower: [-apart; 3], upper: [apart + 1; 3] };
         let count = |m: usize| self.particles.iter().map(|patch| patch[m].blocks.len()).sum::<usize>();
         let counts: Vec<usize> = (0..homes.len()).map(count).collect();
         for (m, _) in self.materials.iter().enumerate().filter(|(m, material)| material.interacts[*m]) {
             let blocks = self.particles.iter_mut().flat_map(|patch| &mut patch[m].blocks);
-            blocks.for_each(|block| block.near = true);
+            blocks.for_each(|block| block.meets = true);
         }
         for [a, b] in (0..homes.len()).flat_map(|a| (0..a).map(move |b| [a, b])) {
             if !self.materials[a].interacts[b] {
@@ -152,8 +168,8 @@ impl Warehouse {
                 for position in 0..self.particles[patch][few].blocks.len() {
                     let index = self.particles[patch][few].blocks[position].index;
                     for (patch_of_other, other) in beside(&homes[many], index, (&cube, &deltas)) {
-                        self.particles[patch_of_other as usize][many].blocks[other as usize].near = true;
-                        self.particles[patch][few].blocks[position].near = true;
+                        self.particles[patch_of_other as usize][many].blocks[other as usize].meets = true;
+                        self.particles[patch][few].blocks[position].meets = true;
                     }
                 }
             }

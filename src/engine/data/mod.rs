@@ -5,6 +5,7 @@ pub mod extent;
 pub mod fields;
 pub mod layout;
 mod map;
+pub mod nearby;
 pub mod nodes;
 pub mod particles;
 pub mod rates;

@@ -33,6 +33,8 @@ pub struct ParticleBlock {
     /// Whether particles may have to move to other blocks.
     pub leaving: bool,
     /// Whether particles of a field with which theirs interacts may touch the same nodes.
+    pub meets: bool,
+    /// Whether that is so, or they are near something else (see `Warehouse::nearby`).
     pub near: bool,
     /// Whether its particles share node blocks with another rank's, or with nodes that do.
     pub rim: bool,
@@ -57,6 +59,7 @@ impl ParticleBlock {
             extent: extent::NOBODY,
             touched: IndexBox { lower: [0; 3], upper: [0; 3] },
             leaving: true,
+            meets: false,
             near: false,
             rim: false,
             cost: 0,

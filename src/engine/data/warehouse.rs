@@ -4,6 +4,7 @@
 //! that safe. Labels of nodes exist only in blocks that a field touches.
 use super::fields::Fields;
 use super::layout::{NodeLayout, ParticleLayout};
+use super::nearby::Nearby;
 use super::nodes::NodeBlock;
 use super::particles::ParticleBlock;
 use super::shared::Shared;
@@ -119,6 +120,8 @@ pub struct Warehouse {
     pub shared: Shared,
     /// How many tiles labels of the run have.
     pub tiles: Tiles,
+    /// What else particles may be near.
+    pub nearby: Option<Nearby>,
     /// Whether blocks became occupied since the last [`Warehouse::activate`].
     pub reactivate: bool,
     /// Whether materials have rates of their own: one moves while another waits.
@@ -158,6 +161,7 @@ impl Warehouse {
             nodes,
             shared,
             tiles: Tiles::default(),
+            nearby: None,
             reactivate,
             own_rates,
         }

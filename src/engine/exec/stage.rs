@@ -143,7 +143,7 @@ fn ready_buffers(context: &Context<'_>, stage: &Stage, fields: usize, block: &mu
     }
     for (&label, partial) in layout.partial().iter().zip(&mut block.partials) {
         let adds = stage.adds.contains(&label);
-        if adds && (block.near || !label.where_fields_meet()) {
+        if adds && (block.near || !label.added_where_near()) {
             let width = label.width();
             if partial.is_empty() {
                 *partial = buffers.take(layout.buffer * width * fields);

@@ -147,6 +147,9 @@ impl Engine {
         warehouse: &mut Warehouse,
         network: &mut dyn Network,
     ) -> Result<(), NetworkError> {
+        if warehouse.nearby.is_some() && !warehouse.reactivate {
+            warehouse.mark_near();
+        }
         if warehouse.reactivate {
             self.activate(warehouse, network)?;
         }

@@ -227,6 +227,9 @@ impl Check<'_> {
 
     fn one_material(&self) -> Vec<Hazard> {
         let materials = &self.graph.recipe.materials;
+        // who has to do with nodes at all
+        let on_nodes = self.accesses().filter(|(_, _, a)| a.label.home() == Home::Node);
+        let acting: BTreeSet<usize> = on_nodes.filter_map(|(_, node, _)| node.material).collect();
         let mut found = Vec::new();
         for (_, node, a) in self.accesses() {
             if node.material.is_some() || a.mode != Mode::RequiresNew || a.label.home() == Home::Run {
@@ -234,7 +237,7 @@ impl Check<'_> {
             }
             let writers = self.accesses().filter(|(_, _, b)| b.label == a.label && b.mode.writes());
             let having: BTreeSet<Option<usize>> = writers.map(|(_, writer, _)| writer.material).collect();
-            if let (Some(&Some(only)), 1, true) = (having.first(), having.len(), materials.len() > 1) {
+            if let (Some(&Some(only)), 1, true) = (having.first(), having.len(), acting.len() > 1) {
                 let (task, material) = (node.name.clone(), materials[only].clone());
                 found.push(Hazard::OneMaterial { task, label: a.label, material });
             }

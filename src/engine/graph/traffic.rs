@@ -32,7 +32,7 @@ impl Passing {
             Crossing::Values(_) if whole => self.whole,
             Crossing::Values(_) => self.read,
         };
-        if label.where_fields_meet() { there } else { elsewhere + there }
+        if label.added_where_near() || label.where_fields_meet() { there } else { elsewhere + there }
     }
 }
 

@@ -71,6 +71,11 @@ impl LabelId {
     pub const fn crossing(self) -> Crossing {
         self.0.crossing
     }
+    /// Whether only blocks add to it whose particles are near something.
+    #[inline(always)]
+    pub const fn added_where_near(self) -> bool {
+        self.0.where_fields_meet || self.0.where_near
+    }
     /// Whether it has as many tiles as the recipe says.
     pub const fn is_several(self) -> bool {
         self.0.several

@@ -95,6 +95,7 @@ pub struct Row {
     pub(super) crossing: Crossing,
     pub(super) where_fields_meet: bool,
     pub(super) several: bool,
+    pub(super) where_near: bool,
 }
 
 const fn row(home: Home, life: Life, unit: &'static str, meaning: &'static str) -> Row {
@@ -112,6 +113,7 @@ const fn row(home: Home, life: Life, unit: &'static str, meaning: &'static str) 
         crossing: Crossing::None,
         where_fields_meet: false,
         several: false,
+        where_near: false,
     }
 }
 
@@ -199,6 +201,11 @@ impl Row {
         Self { where_fields_meet: true, ..self }
     }
 
+    /// Only particles add to it that are near others, or near what the application says (`Warehouse::nearby`).
+    pub const fn where_near(self) -> Self {
+        Self { where_near: true, ..self }
+    }
+
     /// It has as many tiles as the recipe says (`Recipe::tiles`).
     pub const fn several(self) -> Self {
         Self { several: true, ..self }
@@ -233,6 +240,7 @@ impl Row {
             "only nodes are summed in the order of blocks"
         );
         assert!(!self.where_fields_meet || on_nodes, "fields meet on nodes");
+        assert!(!self.where_near || partial, "particles add to partial sums alone");
         let run = matches!(self.home, Home::Run);
         assert!(
             !self.several || run,

@@ -22,7 +22,7 @@ pub struct Traffic(Vec<(What, usize)>);
 
 /// Lines of a partial buffer that hold something.
 fn used(block: &ParticleBlock, label: LabelId) -> usize {
-    let there = block.near || !label.where_fields_meet();
+    let there = block.near || !label.added_where_near();
     if there { label.width() * block.touched.len() } else { 0 }
 }
 

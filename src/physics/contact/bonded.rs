@@ -18,6 +18,10 @@ impl Described for Bonded {
 
 impl ContactLaw for Bonded {
     #[inline]
+    fn is_bond(&self) -> bool {
+        true
+    }
+    #[inline]
     fn exchange(&self, pair: &Pair) -> Exchange {
         let along = dot(pair.relative, pair.normal);
         pair.exchange(along, std::array::from_fn(|a| pair.relative[a] - along * pair.normal[a]))

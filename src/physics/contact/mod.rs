@@ -32,6 +32,10 @@ macro_rules! registry {
             fn exchange(&self, pair: &Pair) -> Exchange {
                 match self { $(AnyContactLaw::$variant(law) => law.exchange(pair)),* }
             }
+            #[inline]
+            fn is_bond(&self) -> bool {
+                match self { $(AnyContactLaw::$variant(law) => law.is_bond()),* }
+            }
         }
         $(impl From<$law> for AnyContactLaw {
             fn from(law: $law) -> Self { AnyContactLaw::$variant(law) }

@@ -29,6 +29,11 @@ pub struct Exchange {
 pub trait ContactLaw {
     /// The impulses that the pair exchanges where its surfaces touch.
     fn exchange(&self, pair: &Pair) -> Exchange;
+
+    /// Whether it holds two materials together, whatever they do.
+    fn is_bond(&self) -> bool {
+        false
+    }
 }
 
 impl Pair {

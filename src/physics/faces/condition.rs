@@ -1,4 +1,6 @@
 //! What holds on a face of the domain.
+use crate::contact::AnyContactLaw;
+use crate::motion::Course;
 
 /// A condition on a face: pure functions. Its parameters are its fields.
 ///
@@ -15,9 +17,23 @@ pub trait FaceCondition {
         None
     }
 
+    /// How the face moves and meets matter, if it is a wall of its own.
+    fn wall(&self) -> Option<Wall> {
+        None
+    }
+
     /// Change of velocity [m/s] that the face asks of a node on it. `axis` (0, 1, 2) is normal to the face, `time` [s] the
     /// end of the step, `velocity` [m/s] that of the node so far.
     fn correction(&self, axis: usize, time: f64, velocity: [f64; 3]) -> [f64; 3];
+}
+
+/// A face that pushes matter like a tool does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wall {
+    /// How it moves.
+    pub course: Course,
+    /// How it meets matter.
+    pub law: AnyContactLaw,
 }
 
 /// How matter goes on beyond a face at rest: velocities, momenta and forces there are those of the mirrored node, turned by

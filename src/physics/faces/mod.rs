@@ -2,10 +2,11 @@
 mod condition;
 pub mod fixed;
 pub mod free;
+pub mod plate;
 pub mod symmetric;
 pub mod velocity;
 
-pub use condition::{FaceCondition, Image};
+pub use condition::{FaceCondition, Image, Wall};
 
 use super::parameter::Entry;
 
@@ -25,6 +26,9 @@ macro_rules! registry {
             #[inline]
             fn image(&self) -> Option<Image> {
                 match self { $(AnyFaceCondition::$variant(condition) => condition.image()),* }
+            }
+            fn wall(&self) -> Option<Wall> {
+                match self { $(AnyFaceCondition::$variant(condition) => condition.wall()),* }
             }
             #[inline]
             fn correction(&self, axis: usize, time: f64, velocity: [f64; 3]) -> [f64; 3] {
@@ -47,4 +51,5 @@ registry! {
     Fixed(fixed::Fixed),
     Symmetric(symmetric::Symmetric),
     Velocity(velocity::Velocity),
+    Plate(plate::Plate),
 }

@@ -1,9 +1,11 @@
 //! Matter that sticks to a moving face.
-use super::condition::FaceCondition;
+use super::condition::{FaceCondition, Wall};
+use crate::contact::bonded::Bonded;
+use crate::motion::Course;
 use crate::parameter::{Described, Parameter, Refusal, Values};
 use crate::table::Table;
 
-/// v as given in time.
+/// A plane that moves as given in time, from the face on, and takes along what touches it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Velocity {
     /// The velocity [m/s] in time.
@@ -12,7 +14,7 @@ pub struct Velocity {
 
 impl Described for Velocity {
     const NAME: &'static str = "velocity";
-    const SUMMARY: &'static str = "Matter at the face moves like this.";
+    const SUMMARY: &'static str = "The face is a plane that moves like this from its place on, and matter that it touches sticks to it.";
     const PARAMETERS: &'static [Parameter] = &[Parameter::motion("velocity", "Velocity in time.")];
     type Built = Self;
     fn build(values: &Values) -> Result<Self, Refusal> {
@@ -21,9 +23,13 @@ impl Described for Velocity {
 }
 
 impl FaceCondition for Velocity {
-    #[inline]
-    fn correction(&self, _axis: usize, time: f64, velocity: [f64; 3]) -> [f64; 3] {
-        let wanted = self.table.at(time);
-        std::array::from_fn(|a| wanted[a] - velocity[a])
+    fn acts(&self) -> bool {
+        false
+    }
+    fn wall(&self) -> Option<Wall> {
+        Some(Wall { course: Course::Velocity(self.table.clone()), law: Bonded.into() })
+    }
+    fn correction(&self, _axis: usize, _time: f64, _velocity: [f64; 3]) -> [f64; 3] {
+        [0.0; 3]
     }
 }

@@ -1,0 +1,26 @@
+use super::scatter::{scatter_rows, to_rows};
+use crate::labels::{ContactFlow, ScatterRows, ToolSums, Weights};
+use bytemuck::cast_slice_mut;
+use engine::graph::task::{At, Body};
+use simd::{Simd, load};
+
+/// Adds the contact flows to the nodes near tools.
+pub struct ToolScatter;
+
+engine::task! { NearParticles task ToolScatter {
+    requires new { weights: Weights, flow: ContactFlow }
+    computes { nodes: ToolSums @ 3 }
+    scratch { rows: ScatterRows }
+}}
+
+impl Body for ToolScatter {
+    #[inline(always)]
+    fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let zero = S::splat(0.0);
+        for (flow, rows) in io.flow.iter().zip(io.rows.iter_mut()) {
+            let [m, mx, my, mz, v] = load(flow);
+            to_rows([m, mx, my, mz], [v, zero, zero, v, zero, v], zero, rows);
+        }
+        scatter_rows::<S>(at, &io.weights, &io.rows, cast_slice_mut(&mut io.nodes));
+    }
+}
