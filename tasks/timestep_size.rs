@@ -2,6 +2,7 @@ use crate::labels::{OwnStep, SignalSpeed, Time};
 use engine::data::rates::{Clock, MaterialStep};
 use engine::graph::task::{At, Body};
 use physics::motion::Motion;
+use physics::table::Table;
 use simd::{Simd, Wide};
 
 /// The tick, and the steps of the materials, each a whole number of ticks.
@@ -23,8 +24,10 @@ pub struct TimestepSize {
     pub touches: Vec<Vec<usize>>,
     /// What moves as prescribed, whatever matter does.
     pub movers: Vec<Mover>,
-    /// |g| [m/s²], for the materials that it acts on.
-    pub gravity: Vec<f64>,
+    /// g [m/s²] in time.
+    pub gravity: Table,
+    /// The materials on which it acts.
+    pub falls: Vec<bool>,
     /// Which materials are rigid: they take every tick.
     pub rigid: Vec<bool>,
 }
@@ -109,13 +112,16 @@ impl TimestepSize {
     fn longest(&self, material: usize, signal: f64, sound: f64, time: f64) -> f64 {
         let way = self.cfl * self.cell;
         let (mut speed, mut turning) = (signal, 0.0f64);
+        // until when is not known before: at most until this
+        let until = time + (way / signal).min(1e30);
         for mover in self.movers.iter().filter(|mover| mover.meets.contains(&material)) {
-            // until when is not known before: at most until this
-            let until = time + (way / signal).min(1e30);
             speed = speed.max(sound + mover.motion.fastest(time, until, mover.radius));
             turning = turning.max(mover.motion.fastest_turn(time, until));
         }
-        let fallen = 2.0 * way / (speed + (speed * speed + 4.0 * self.gravity[material] * way).sqrt());
+        let size = |g: [f64; 3]| g.iter().map(|g| g * g).sum::<f64>().sqrt();
+        let all = self.gravity.within(time, until).map(|(_, g)| size(g));
+        let g = if self.falls[material] { all.fold(0.0, f64::max) } else { 0.0 };
+        let fallen = 2.0 * way / (speed + (speed * speed + 4.0 * g * way).sqrt());
         fallen.min(TURN / turning)
     }
 }

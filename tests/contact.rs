@@ -56,7 +56,8 @@ fn friction_follows_coulomb_and_its_criterion() {
             let (approach, compressed) = (dot(pair.relative, pair.normal), pair.traction < 0.0);
             let acts = match criterion {
                 Criterion::Approach => approach > 0.0,
-                Criterion::ApproachOrCompression => approach > 0.0 || compressed,
+                // contact never pulls
+                Criterion::ApproachOrCompression => approach > 0.0,
                 Criterion::ApproachAndCompression => approach > 0.0 && compressed,
             };
             if !acts {

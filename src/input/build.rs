@@ -38,8 +38,11 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
         contacts: contacts(root.get("contact"), &materials)?,
         faces: face_conditions(root.get("boundary"))?,
         drives: drives(root.get("drive"), &materials, root.get("body"))?,
-        gravity: load.get("gravity").vector(),
-        damping: load.get("damping").number(),
+        loads: Loads {
+            gravity: choose::in_time(load.get("gravity")),
+            damping: load.get("damping").number(),
+            local_damping: load.get("local-damping").number(),
+        },
         run: run(root.get("run")),
         output: output(root.get("output"), &materials, domain.cell)?,
         lines: Default::default(),

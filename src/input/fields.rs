@@ -229,12 +229,19 @@ static DRIVE: &[Field] = &[
 pub(super) const COMPONENTS: &[&str] = &["x", "y", "z", "xy", "xz", "yz", "xyz"];
 
 static LOAD: &[Field] = &[
-    Field::with_default("gravity", Form::Vector(Acceleration, 3), ZERO, "Acceleration of all matter."),
+    Field::with_default("gravity", Form::InTime(Acceleration), ZERO, "Acceleration of all matter in time."),
     Field::with_default(
         "damping",
         not_negative(Rate),
         Absent::Number(0.0),
         "Mass-proportional damping: a = −damping · v.",
+    ),
+    Field::with_default(
+        "local-damping",
+        Form::Number(Range { dimension: One, least: 0.0, open_below: false, most: 0.95 }),
+        Absent::Number(0.0),
+        "Local damping of Cundall, for slow loading: at each node this share of the force out of balance acts against the \
+        velocity, axis by axis.",
     ),
 ];
 

@@ -62,10 +62,8 @@ pub struct Scene {
     pub faces: [AnyFaceCondition; 6],
     /// Regions of particles with a prescribed velocity.
     pub drives: Vec<Drive>,
-    /// Acceleration of all matter [m/s²].
-    pub gravity: [f64; 3],
-    /// Mass-proportional damping a = −αv, α [1/s].
-    pub damping: f64,
+    /// What acts on all matter.
+    pub loads: Loads,
     /// Numerics.
     pub run: Run,
     /// What to write.
@@ -202,6 +200,25 @@ impl Region {
             Region::Body(of) => *of == body,
             Region::Solid(solid) => solid.contains(x),
         }
+    }
+}
+
+/// What acts on all matter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loads {
+    /// Acceleration [m/s²] in time.
+    pub gravity: Table,
+    /// Mass-proportional damping a = −αv, α [1/s].
+    pub damping: f64,
+    /// Local damping: a share of what is out of balance.
+    pub local_damping: f64,
+}
+
+impl Loads {
+    /// Whether there are any.
+    pub fn acts(&self) -> bool {
+        let falls = self.gravity.0.iter().any(|(_, g)| *g != [0.0; 3]);
+        falls || self.damping != 0.0 || self.local_damping != 0.0
     }
 }
 

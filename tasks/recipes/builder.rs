@@ -242,8 +242,12 @@ impl<'a> Builder<'a> {
 
     /// What acts everywhere, if the scene has it.
     fn field(&self) -> Option<LoadField> {
-        let (gravity, damping) = (self.scene.gravity, self.scene.damping);
-        (gravity != [0.0; 3] || damping != 0.0).then_some(LoadField { gravity, damping })
+        self.scene.loads.acts().then(|| self.load_field())
+    }
+
+    fn load_field(&self) -> LoadField {
+        let scene::Loads { gravity, damping, local_damping } = self.scene.loads.clone();
+        LoadField { gravity, damping, local: local_damping }
     }
 
     pub(super) fn loads(&mut self) {
@@ -288,7 +292,7 @@ impl<'a> Builder<'a> {
     pub(super) fn rigid_motion(&mut self) {
         let tiles = (0..self.scene.materials.len()).map(|m| self.givers.tile(Giver::Rigid(m)));
         let task = RigidMotion {
-            gravity: self.scene.gravity,
+            field: self.load_field(),
             tiles: tiles.collect(),
             loads: self.givers.tile(Giver::Loads),
         };

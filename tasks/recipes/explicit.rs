@@ -96,15 +96,15 @@ pub fn timestep_size(scene: &Scene) -> TimestepSize {
         Rates::Common => 1,
         Rates::PerMaterial { most } => most,
     };
-    let gravity = scene.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
-    let falls = |m: &scene::Material| if m.is_tool() { 0.0 } else { gravity };
+    let falls = |m: &scene::Material| !m.is_tool();
     TimestepSize {
         cfl: scene.run.cfl,
         cell: scene.domain.cell,
         most: f64::from(most),
         touches: (0..scene.materials.len()).map(touching).collect(),
         movers: movers(scene),
-        gravity: scene.materials.iter().map(falls).collect(),
+        gravity: scene.loads.gravity.clone(),
+        falls: scene.materials.iter().map(falls).collect(),
         rigid: rigid(scene),
     }
 }

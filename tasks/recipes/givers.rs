@@ -53,11 +53,10 @@ impl Givers {
         let faces = (0..6)
             .filter(|&face| reflects || scene.faces[face].acts() || scene.faces[face].wall().is_some())
             .map(Giver::Face);
-        let loads = scene.gravity != [0.0; 3] || scene.damping != 0.0;
         let rigid = scene.materials.iter().enumerate().filter(|(_, material)| {
             matches!(material.behavior, Behavior::Rigid(RigidMotion::Prescribed { .. }))
         });
-        let all = faces.chain(loads.then_some(Giver::Loads));
+        let all = faces.chain(scene.loads.acts().then_some(Giver::Loads));
         let all = all.chain((0..scene.drives.len()).map(Giver::Drive));
         let all = all.chain(rigid.map(|(material, _)| Giver::Rigid(material)));
         Self(all.chain((0..scene.contacts.len()).map(Giver::Contact)).collect())

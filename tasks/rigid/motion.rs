@@ -1,5 +1,6 @@
 use crate::labels::RigidMotion as RigidMotionLabel;
 use crate::labels::{Reactions, RigidImpulse, Time};
+use crate::loads::LoadField;
 use crate::reactions::Reaction;
 use crate::rigid::state::RigidState;
 use engine::graph::task::{At, Body};
@@ -10,8 +11,8 @@ use simd::Simd;
 /// Newton and Euler for rigid bodies: contact impulses and gravity change V and ω of those that are free; all move.
 /// Where nothing touches, there is no impulse.
 pub struct RigidMotion {
-    /// g [m/s²]
-    pub gravity: [f64; 3],
+    /// Gravity and damping.
+    pub field: LoadField,
     /// Tiles of `Reactions`: of what holds each prescribed body, and of gravity.
     pub tiles: Vec<Option<usize>>,
     /// See `tiles`.
@@ -28,7 +29,7 @@ engine::task! { Once task RigidMotion {
 impl Body for RigidMotion {
     #[inline(always)]
     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
-        let dt = io.time[0].tick;
+        let (time, dt) = (io.time[0].time, io.time[0].tick);
         for (material, body) in io.bodies.iter_mut().enumerate().filter(|(_, b)| b.mass > 0.0) {
             let sums = io.impulse[material].each_ref().map(|sum| sum.value());
             if body.free == 0.0 {
@@ -38,10 +39,15 @@ impl Body for RigidMotion {
                     reaction.store(&mut io.reactions[tile]);
                 }
             } else {
-                let before = body.velocity;
                 push(body, Vector3::new(sums[0], sums[1], sums[2]), Vector3::new(sums[3], sums[4], sums[5]));
-                let dv = self.gravity.map(|g| dt * g);
-                (0..3).for_each(|a| body.velocity[a] += dv[a]);
+                let before = body.velocity;
+                let (g, worth) = (self.field.mean_gravity(time, dt), self.field.worth(dt));
+                let faded = (-self.field.damping * dt).exp_m1();
+                let dv: [f64; 3] = std::array::from_fn(|a| faded * before[a] + worth * g[a]);
+                for a in 0..3 {
+                    body.velocity[a] += dv[a];
+                    body.angular[a] *= 1.0 + faded;
+                }
                 let mean = std::array::from_fn(|a| 0.5 * (before[a] + body.velocity[a]));
                 let mut reaction = Reaction::default();
                 reaction.add(body.center, dv.map(|dv| body.mass * dv), mean);

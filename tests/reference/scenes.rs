@@ -107,8 +107,8 @@ fn model(scene: &Scene, laws: [Law; 2]) -> Model {
         h: domain.cell,
         gimp: scene.run.shape == ShapeFunction::Gimp,
         faces: [0, 1, 2].map(|a| [face(2 * a), face(2 * a + 1)]),
-        gravity: scene.gravity.into(),
-        damping: scene.damping,
+        gravity: scene.loads.gravity.at(0.0).into(),
+        damping: scene.loads.damping,
         pic: scene.run.pic,
         viscosity: scene.run.viscosity.map_or(0.0, |law| {
             assert!(

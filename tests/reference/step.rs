@@ -165,7 +165,10 @@ fn step_material(model: &Model, material: &Material, particles: Vec<&mut Particl
         }
         let mut before = node.momentum / node.mass;
         hold(model, index, &mut before);
-        node.v = before + dt * node.force / node.mass + dt * (model.gravity - model.damping * before);
+        // what solves dv/dt = f/m + g - alpha v from the velocity before
+        let decay = f64::exp(-model.damping * dt);
+        let worth = if model.damping == 0.0 { dt } else { (1.0 - decay) / model.damping };
+        node.v = decay * before + worth * (node.force / node.mass + model.gravity);
         hold(model, index, &mut node.v);
         node.dv = node.v - before;
     }

@@ -32,8 +32,8 @@ impl Described for Friction {
         Parameter::choice(
             "criterion",
             &["approach", "approach-or-compression", "approach-and-compression"],
-            "When contact acts: while the surfaces approach, while they approach or the normal traction is compressive, or \
-             while both hold.",
+            "When contact acts: while the surfaces approach, or only if the normal traction is compressive, too. Contact never pulls: \
+             \"approach-or-compression\" is another word for \"approach\".",
         ),
     ];
     type Built = Self;
@@ -61,8 +61,10 @@ impl ContactLaw for Friction {
             return Exchange::default();
         }
         let slip: [f64; 3] = std::array::from_fn(|a| pair.relative[a] - approach * pair.normal[a]);
+        // surfaces that part are never pulled
+        let approach = approach.max(0.0);
         let speed = dot(slip, slip).sqrt();
-        let limit = self.coefficient * approach.abs();
+        let limit = self.coefficient * approach;
         let share = if speed > limit { limit / speed } else { 1.0 };
         pair.exchange(approach, slip.map(|s| share * s))
     }
