@@ -1,6 +1,7 @@
 use crate::labels::{
     BlockExtent, GridVelocity, Mass, OwnStep, Position, TransferLoss, Velocity, VelocityChange,
 };
+use crate::pic::Pic;
 use engine::data::extent::Bases;
 use engine::graph::task::{At, Body};
 use simd::{Simd, load, store};
@@ -9,8 +10,8 @@ use simd::{Simd, load, store};
 /// The kinetic energy that particles gain is taken from `TransferLoss`.
 /// J. U. Brackbill, H. M. Ruppel, JCP 65, 1986, 314–343 (doi:10.1016/0021-9991(86)90211-1).
 pub struct Advance {
-    /// β
-    pub pic: f64,
+    /// Says β.
+    pub pic: Pic,
     /// Where particles are, for the extent of their block.
     pub bases: Bases,
 }
@@ -26,7 +27,8 @@ impl Body for Advance {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let dt = S::splat(io.step[0].size);
-        let (flip, pic) = (S::splat(1.0 - self.pic), S::splat(self.pic));
+        let pic = self.pic.of(io.step[0].size);
+        let (flip, pic) = (S::splat(1.0 - pic), S::splat(pic));
         let mut extent = load(&io.extent[0]);
         let grid = io.grid_velocity.iter().zip(io.change.iter()).zip(io.mass.iter());
         let mut gain = S::splat(0.0);

@@ -1,6 +1,7 @@
 use crate::images::{Images, Reached};
 use crate::labels::{NodeSums, OwnStep, Reactions};
 use crate::node::Sums;
+use crate::pic::Pic;
 use crate::reactions::Reaction;
 use engine::graph::task::{At, Body};
 use grid::Lattice;
@@ -16,8 +17,8 @@ pub struct Fold {
     pub tiles: [usize; 6],
     /// Where nodes are.
     pub lattice: Lattice,
-    /// β, see `Advance`: the share of the nodes' momentum that particles take over.
-    pub pic: f64,
+    /// See `Advance`: the share of the nodes' momentum that particles take over.
+    pub pic: Pic,
 }
 
 engine::task! { Buffers task Fold {
@@ -41,9 +42,10 @@ impl Body for Fold {
 
 impl Fold {
     fn fold(&self, at: &At<'_>, face: &Reached, dt: f64, sums: &mut [Sums], reaction: &mut Reaction) {
+        let pic = self.pic.of(dt);
         let mut count = |node: [i32; 3], sign: f64, sums: &Sums| {
             let (force, momentum) = (sums.force(), sums.momentum());
-            let impulse = [0, 1, 2].map(|a| sign * (dt * force[a] + self.pic * momentum[a]));
+            let impulse = [0, 1, 2].map(|a| sign * (dt * force[a] + pic * momentum[a]));
             reaction.add(self.lattice.position(node), impulse, [0.0; 3]);
         };
         for (ghost, image) in face.ghosts() {

@@ -30,6 +30,7 @@ pub mod mass_flow;
 pub mod mirror;
 pub mod nodal_velocity;
 pub mod node;
+pub mod pic;
 pub mod reactions;
 pub mod recipes;
 pub mod reflection;

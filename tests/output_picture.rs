@@ -26,6 +26,8 @@ fn scene() -> Scene {
         solid: Solid::Sphere { center: [0.0; 3], radius: 1.0 },
         particles_per_cell: [2; 3],
         velocity: [0.0; 3],
+        angular_velocity: [0.0; 3],
+        stretch: [1.0; 3],
         fibers: FiberField::Uniform([1.0, 0.0, 0.0]),
     };
     let wound = Wound {
@@ -55,6 +57,7 @@ fn scene() -> Scene {
             smallest_step: 0.0,
             shape: ShapeFunction::Gimp,
             pic: 0.0,
+            pic_rate: 0.0,
             viscosity: None,
             leaving: Leaving::Error,
             rebalance_every: 0,

@@ -145,8 +145,35 @@ fn body(given: &Node, materials: &[Material]) -> Outcome<Body> {
         solid: solid(given.get("shape"))?,
         particles_per_cell: given.get("particles-per-cell").counts(),
         velocity,
+        angular_velocity: given.get("angular-velocity").vector(),
+        stretch: stretch(given, &materials[material])?,
         fibers: fibers(given.get("fibers"))?,
     })
+}
+
+/// How far a body is stretched at the start. A rigid one is not, and turns as its material says.
+fn stretch(given: &Node, material: &Material) -> Outcome<[f64; 3]> {
+    let (stretch, spin): ([f64; 3], [f64; 3]) =
+        (given.get("stretch").vector(), given.get("angular-velocity").vector());
+    let refused =
+        |key: &str, message: String, help: String| Err(Fault::new(given.get(key).place, message).help(help));
+    let Behavior::Rigid(_) = material.behavior else {
+        if let Some(factor) = stretch.iter().find(|factor| **factor <= 0.0) {
+            let message = format!("a stretch of {factor} would turn the body inside out");
+            return refused("stretch", message, "stretches are above 0; 1 is as it was".into());
+        }
+        return Ok(stretch);
+    };
+    let name = &material.name;
+    if stretch != [1.0; 3] {
+        let message = format!("material {name:?} is rigid: its bodies cannot be stretched");
+        return refused("stretch", message, "leave `stretch` out".into());
+    }
+    if spin != [0.0; 3] {
+        let message = format!("all bodies of the rigid material {name:?} turn as one");
+        return refused("angular-velocity", message, format!("set `material.{name}.angular-velocity`"));
+    }
+    Ok(stretch)
 }
 
 fn fibers(given: &Node) -> Outcome<FiberField> {
@@ -307,6 +334,7 @@ fn run(given: &Node) -> Run {
             _ => ShapeFunction::Gimp,
         },
         pic: given.get("pic").number(),
+        pic_rate: given.get("pic-rate").number(),
         viscosity: given.find("viscosity").map(viscosity),
         leaving: match given.get("leaving").word() {
             "delete" => Leaving::Delete,

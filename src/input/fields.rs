@@ -123,6 +123,18 @@ static BODY: &[Field] = &[
     ),
     Field::with_default("velocity", Form::Vector(Velocity, 3), ZERO, "Velocity at the start."),
     Field::with_default(
+        "angular-velocity",
+        Form::Vector(AngularVelocity, 3),
+        ZERO,
+        "Angular velocity about the center of mass at the start (deformable bodies).",
+    ),
+    Field::with_default(
+        "stretch",
+        Form::Vector(One, 3),
+        Absent::Vector([1.0; 3]),
+        "How far it is stretched along x, y and z at the start; its shape is what it fills then (deformable bodies).",
+    ),
+    Field::with_default(
         "fibers",
         FIBERS,
         Absent::Case("uniform", [1.0, 0.0, 0.0]),
@@ -286,7 +298,13 @@ static RUN: &[Field] = &[
         "pic",
         fraction(false),
         Absent::Number(0.0),
-        "Share of PIC in the velocity update; 0 is FLIP.",
+        "Share of PIC in the velocity update of a step; 0 is FLIP. It damps more the smaller steps are: see `pic-rate`.",
+    ),
+    Field::with_default(
+        "pic-rate",
+        not_negative(Rate),
+        Absent::Number(0.0),
+        "Rate of PIC: velocities that particles do not share with the nodes around decay like this, whatever the step is.",
     ),
     Field::optional("viscosity", Form::Table(VISCOSITY), "Artificial viscosity; absent: none."),
     Field::with_default(

@@ -23,6 +23,8 @@ pub struct Variable {
 pub struct Reference {
     /// Unit vector along its fibers.
     pub fiber: [f64; 3],
+    /// How far the body is stretched along x, y and z at the start.
+    pub stretch: [f64; 3],
 }
 
 /// Deformation of eight particles after a step.
@@ -91,7 +93,7 @@ pub trait Law: Copy + Send + Sync + 'static {
     /// Names of the states whose particles a run counts; at most [`MAX_COUNTS`].
     const COUNTS: &'static [&'static str] = &[];
 
-    /// History of an undeformed particle. `history` has `HISTORY.len()` entries, all zero.
+    /// History of a particle at the start, which may be stretched elastically. `history` has `HISTORY.len()` entries, all zero.
     fn initial(&self, reference: &Reference, history: &mut [f64]);
 
     /// Stress and new history after a step. `history` has `HISTORY.len()` entries.

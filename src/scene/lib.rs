@@ -139,6 +139,10 @@ pub struct Body {
     pub particles_per_cell: [usize; 3],
     /// Initial velocity [m/s].
     pub velocity: [f64; 3],
+    /// Initial angular velocity about its center of mass [rad/s].
+    pub angular_velocity: [f64; 3],
+    /// How far it is stretched at the start along x, y and z: its shape is what it fills then.
+    pub stretch: [f64; 3],
     /// Direction of the fibers at the start.
     pub fibers: FiberField,
 }
@@ -269,8 +273,10 @@ pub struct Run {
     pub smallest_step: f64,
     /// Shape functions.
     pub shape: ShapeFunction,
-    /// 0: FLIP, 1: PIC.
+    /// Share of PIC in a step: 0: FLIP, 1: PIC.
     pub pic: f64,
+    /// Rate of PIC [1/s].
+    pub pic_rate: f64,
     /// Artificial viscosity, if any.
     pub viscosity: Option<Viscosity>,
     /// What happens to a particle that leaves the domain.

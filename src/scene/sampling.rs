@@ -9,6 +9,16 @@ pub fn sample(scene: &Scene, body: &Body) -> impl Iterator<Item = [f64; 3]> {
     points(&scene.domain, body.particles_per_cell, &body.solid, inside(&scene.domain))
 }
 
+/// The center of mass of the body's particles [m].
+pub fn middle(scene: &Scene, body: &Body) -> [f64; 3] {
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for x in sample(scene, body) {
+        (0..3).for_each(|a| sum[a] += x[a]);
+        count += 1.0;
+    }
+    sum.map(|sum: f64| if count > 0.0 { sum / count } else { 0.0 })
+}
+
 /// How many particles [`sample`] gives.
 pub fn count(scene: &Scene, body: &Body) -> usize {
     sample(scene, body).count()

@@ -8,13 +8,14 @@ use engine::program::Program;
 use engine::schema::{Label, LabelId, Tiles};
 use grid::{BLOCK, Decomposition, Partition, REACH};
 use nalgebra::{Matrix3, Vector3};
+use physics::contact::cross;
 use physics::law::{Declared, Law, Reference};
 use physics::materials::WithLaw;
 use scene::{Behavior, Rates, RigidMotion, Scene, sampling};
 use tasks::labels::RigidMotion as RigidMotionLabel;
 use tasks::labels::{
-    DriveIndex, History, Identity, InitialVolume, Mass, Position, ReferencePosition, SCHEMA, Time, Velocity,
-    Volume,
+    Deformation, DriveIndex, History, Identity, InitialVolume, Mass, Position, ReferencePosition, SCHEMA,
+    Time, UNDEFORMED, Velocity, Volume,
 };
 use tasks::recipes::{self, Givers};
 use tasks::rigid::state::RigidState;
@@ -90,7 +91,7 @@ fn nearby(scene: &Scene) -> Option<Nearby> {
 pub fn layout_of(scene: &Scene, program: &Program, material: usize) -> ParticleLayout {
     let always = [Identity::ID, Position::ID, Velocity::ID, Mass::ID];
     let labels = program.particle_labels(material).into_iter().chain(always);
-    let reference = Reference { fiber: [1.0, 0.0, 0.0] };
+    let reference = Reference { fiber: [1.0, 0.0, 0.0], stretch: [1.0; 3] };
     let history = initial_history(&scene.materials[material].behavior, reference);
     ParticleLayout::new(&SCHEMA, labels, [(History::ID, history)].into())
 }
@@ -138,6 +139,9 @@ fn add_body(
     let material = &scene.materials[body.material];
     let layout = warehouse.materials[body.material].layout.clone();
     let volume = sampling::particle_volume(scene, body);
+    let (j, mut stretched) = (body.stretch.iter().product::<f64>(), UNDEFORMED);
+    (0..3).for_each(|a| stretched[4 * a] = body.stretch[a]);
+    let center = if body.angular_velocity == [0.0; 3] { [0.0; 3] } else { sampling::middle(scene, body) };
     let outside = |_| RunError::Outside { body: body.name.clone() };
     // what a scene does not say is as where there is no particle
     let inert = layout.inert_record([0.0; 3]);
@@ -149,7 +153,7 @@ fn add_body(
         if !warehouse.partition.is_mine(patch) {
             continue;
         }
-        let reference = Reference { fiber: sampling::fiber_at(&body.fibers, x) };
+        let reference = Reference { fiber: sampling::fiber_at(&body.fibers, x), stretch: body.stretch };
         let history = initial_history(&material.behavior, reference);
         let drive =
             scene.drives.iter().position(|d| d.material == body.material && d.region.contains(index, x));
@@ -159,9 +163,11 @@ fn add_body(
             record[layout.starts[label.index()]..][..width].copy_from_slice(&numbers[..width]);
         };
         set(Position::ID, &x);
-        set(Velocity::ID, &body.velocity);
-        set(Mass::ID, &[material.density * volume]);
-        set(InitialVolume::ID, &[volume]);
+        let turned = cross(body.angular_velocity, std::array::from_fn(|a| x[a] - center[a]));
+        set(Velocity::ID, &[0, 1, 2].map(|a| body.velocity[a] + turned[a]));
+        set(Mass::ID, &[material.density * volume / j]);
+        set(InitialVolume::ID, &[volume / j]);
+        set(Deformation::ID, &stretched);
         set(Volume::ID, &[volume]);
         set(History::ID, &history);
         set(DriveIndex::ID, &[drive.map_or(0.0, |d| d as f64 + 1.0)]);

@@ -20,6 +20,7 @@ use crate::labels::{Reactions, SCHEMA};
 use crate::load_power::LoadPower;
 use crate::loads::{LoadField, Loads};
 use crate::mirror::Mirror;
+use crate::pic::Pic;
 use crate::reflection::Reflection;
 use crate::rigid::contact::RigidContact;
 use crate::rigid::follow::Follow;
@@ -186,7 +187,7 @@ impl<'a> Builder<'a> {
         if images.is_empty() {
             return;
         }
-        let pic = if self.rigid[material] { 0.0 } else { self.scene.run.pic };
+        let pic = if self.rigid[material] { Pic::default() } else { self.pic() };
         self.add(material, "boundary", Fold { images: images.clone(), tiles, lattice, pic });
         if self.touches(material) {
             self.add(material, "boundary", FoldSurfaces { images: images.clone(), lattice });
@@ -341,8 +342,12 @@ impl<'a> Builder<'a> {
         }
     }
 
+    fn pic(&self) -> Pic {
+        Pic { share: self.scene.run.pic, rate: self.scene.run.pic_rate }
+    }
+
     pub(super) fn advance(&mut self, material: usize) {
-        self.add(material, "", Advance { pic: self.scene.run.pic, bases: self.bases(material) });
+        self.add(material, "", Advance { pic: self.pic(), bases: self.bases(material) });
     }
 
     pub(super) fn follow(&mut self, material: usize) {

@@ -97,7 +97,7 @@ impl Chunk {
         ];
         let mut chunk = Self(labels.map(|label| (label, vec![Wide::default(); lines(label)])).into());
         let mut history = [0.0; 2];
-        LAW.initial(&Reference { fiber: [0.6, 0.8, 0.0] }, &mut history);
+        LAW.initial(&Reference { fiber: [0.6, 0.8, 0.0], stretch: [1.0; 3] }, &mut history);
         // lanes without a particle hold numbers, too
         for p in 0..TILES * LANES {
             // identities fall, so that the first particle is not the first lane

@@ -31,7 +31,7 @@ impl Point {
     /// From the undeformed state to F in one step.
     pub fn virgin<L: Law>(law: &L, f: M3, fiber: V3) -> Self {
         let mut history = vec![0.0; L::HISTORY.len()];
-        law.initial(&Reference { fiber: fiber.into() }, &mut history);
+        law.initial(&Reference { fiber: fiber.into(), stretch: [1.0; 3] }, &mut history);
         Self { f, increment: f, history }
     }
     /// The next step of a particle.

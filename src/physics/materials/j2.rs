@@ -60,8 +60,10 @@ impl Law for J2 {
         Variable { name: "plastic_strain", unit: "1" },
     ];
 
-    fn initial(&self, _reference: &Reference, history: &mut [f64]) {
-        history.copy_from_slice(&[1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
+    fn initial(&self, reference: &Reference, history: &mut [f64]) {
+        let j: f64 = reference.stretch.iter().product();
+        let [x, y, z] = reference.stretch.map(|stretch| stretch * stretch / j.powf(2.0 / 3.0));
+        history.copy_from_slice(&[x, 0.0, 0.0, y, 0.0, z, 0.0]);
     }
 
     #[inline(always)]
