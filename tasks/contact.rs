@@ -23,6 +23,8 @@ pub struct Contact {
     pub rigid: Vec<bool>,
     /// Where surfaces lie, for each material.
     pub surfaces: Vec<SurfaceTable>,
+    /// Whether it meets the interpolated velocities, before forces act.
+    pub interpolated: bool,
 }
 
 /// Two velocity fields that touch.
@@ -101,6 +103,7 @@ impl Contact {
             let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
             let materials = [at.fields[a].material, at.fields[b].material];
             let elapsed = [at.fields[a].elapsed, at.fields[b].elapsed];
+            let begin = at.fields[a].begins && at.fields[b].begins;
             let (mut pushed, mut reaction) = ([[0.0; 6]; 2], Reaction::default());
             for n in 0..NODES {
                 let lines = [NODES * a + n, NODES * b + n];
@@ -115,9 +118,25 @@ impl Contact {
                     velocity: io.motion[lines[i]].velocity(),
                     elapsed: elapsed[i],
                 });
-                let Some((exchange, masses)) = self.exchange(pair, &sides, node, io.bodies) else {
+                let given = lines[0];
+                let both = self.interpolated && begin;
+                let time = if both { 0.0 } else { at.fields[a].elapsed + at.fields[a].tick };
+                let past = Past { impulse: &io.impulse[given], time };
+                let Some((exchange, bond)) = self.exchange(pair, &sides, node, &past) else {
                     continue;
                 };
+                if bond == Bond::Holds && past.time == 0.0 {
+                    // what is one body has one velocity at a node, and nothing is exchanged for that
+                    for (i, sign) in [(0, 1.0), (1, -1.0)] {
+                        let impulse = [0, 1, 2].map(|a| sign * (exchange.normal[a] + exchange.friction[a]));
+                        io.motion[lines[i]].begin_with(impulse.map(|p| p / sides[i].sums.mass()));
+                    }
+                    continue;
+                }
+                if bond == Bond::Breaks {
+                    lines.iter().for_each(|&line| io.impulse[line].break_bond());
+                }
+                let masses = sides.each_ref().map(|side| side.sums.mass());
                 let given = std::array::from_fn(|a| exchange.normal[a] + exchange.friction[a]);
                 // how the matter moves meanwhile is known at the end of the step: see `ContactPower`
                 reaction.add(node, given, [0.0; 3]);
@@ -139,27 +158,41 @@ impl Contact {
         }
     }
 
-    /// What the pair exchanges at a node, and the masses that took part; `None`: the surfaces do not touch.
+    /// What the pair exchanges at a node, and whether its bond breaks; `None`: the surfaces do not touch.
     fn exchange(
         &self,
         pair: &FieldPair,
         sides: &[Side<'_>; 2],
         node: [f64; 3],
-        bodies: &[RigidState],
-    ) -> Option<(Exchange, [f64; 2])> {
+        past: &Past<'_>,
+    ) -> Option<(Exchange, Bond)> {
         let [a, b] = sides;
-        let (normal, area) = self.normal(sides, bodies)?;
-        let gap = self.gap(a, b, node);
-        if gap > pair.gap {
-            return None;
-        }
+        let direction = normal(sides);
+        let bond = pair.law.bond().filter(|strength| !strength.is_finite() || holds(sides, past));
+        // in the midst of two bodies that are one, there is no surface: any direction will do
+        let (normal, area) =
+            if bond.is_some() { direction.unwrap_or(([0.0, 0.0, 1.0], 0.0)) } else { direction? };
         let masses = [a.sums.mass(), b.sums.mass()];
         let relative = std::array::from_fn(|i| a.velocity[i] - b.velocity[i]);
-        let reduced_mass = self.reduced_mass(sides, masses, bodies)?;
+        // a free rigid body meets others as a deformable one does
+        let reduced_mass = masses[0] * masses[1] / (masses[0] + masses[1]);
         // the internal force of a uniformly stressed surface is −σ Σ V ∇S
         let traction = (dot(b.sums.force(), normal) - dot(a.sums.force(), normal)) / area;
         let seen = Pair { relative, reduced_mass, normal, traction };
-        Some((pair.law.exchange(&seen), masses))
+        let mut state = Bond::None;
+        if let Some(strength) = bond {
+            let exchange = pair.law.exchange(&seen);
+            let (tension, shear) = past.tractions(&exchange, normal, 0.5 * area);
+            if past.time == 0.0 || !strength.is_exceeded(tension, shear) {
+                return Some((exchange, Bond::Holds));
+            }
+            state = Bond::Breaks;
+        }
+        if self.gap(a, b, node) > pair.gap {
+            return (state == Bond::Breaks).then(|| (Exchange::default(), state));
+        }
+        let rubs = pair.law.bond().is_some();
+        Some((if rubs { pair.law.broken(&seen) } else { pair.law.exchange(&seen) }, state))
     }
 
     /// Gap between the surfaces near the node [cells], along the mean of the two unit normals: where edges of two bodies
@@ -179,38 +212,47 @@ impl Contact {
         let center: [f64; 3] = std::array::from_fn(|a| node[a] - moved(a));
         self.surfaces[side.material].surface(dot(n, center) / self.lattice.cell)
     }
+}
 
-    /// Whether a side moves as prescribed, whatever meets it.
-    fn held(&self, side: &Side<'_>, bodies: &[RigidState]) -> bool {
-        self.rigid[side.material] && bodies[side.material].free == 0.0
-    }
+/// Unit normal from a to b, and Σ V |∇S| of both sides.
+fn normal([a, b]: &[Side<'_>; 2]) -> Option<([f64; 3], f64)> {
+    let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
+    let area = dot(difference, difference).sqrt();
+    (area > 0.0).then(|| (difference.map(|d| d / area), area))
+}
 
-    /// Unit normal from a to b, and Σ V |∇S| of both sides. A tool's surface is known best: where one side moves as
-    /// prescribed, its normal counts, so that the edges of the other side do not plow.
-    fn normal(&self, [a, b]: &[Side<'_>; 2], bodies: &[RigidState]) -> Option<([f64; 3], f64)> {
-        let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
-        let direction = match [a, b].map(|side| self.held(side, bodies)) {
-            [true, false] => a.outward(),
-            [false, true] => b.outward().map(|g| -g),
-            _ => difference,
-        };
-        let length = dot(direction, direction).sqrt();
-        let area = dot(difference, difference).sqrt();
-        (length > 0.0 && area > 0.0).then(|| (direction.map(|d| d / length), area))
-    }
+/// Whether the bond of two sides still holds: most of what both have at the node is bonded.
+fn holds(sides: &[Side<'_>; 2], past: &Past<'_>) -> bool {
+    !past.impulse.is_broken() && sides.iter().all(|side| side.surface.bonded() > 0.5)
+}
 
-    /// m_a m_b / (m_a + m_b), with the masses at the node: a free rigid body meets others as a deformable one does. What
-    /// moves as prescribed is infinitely heavy. Two rigid bodies do not interact.
-    fn reduced_mass(&self, sides: &[Side<'_>; 2], masses: [f64; 2], bodies: &[RigidState]) -> Option<f64> {
-        let [a, b] = masses;
-        if sides.iter().all(|side| self.rigid[side.material]) {
-            return None;
-        }
-        match [0, 1].map(|i| self.held(&sides[i], bodies)) {
-            [true, _] => Some(b),
-            [_, true] => Some(a),
-            _ => Some(a * b / (a + b)),
-        }
+/// What became of the bond of a pair at a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Bond {
+    /// There is none, or it was broken before.
+    None,
+    /// It makes one body of two.
+    Holds,
+    /// It breaks now.
+    Breaks,
+}
+
+/// What contact has given to the first material of a pair at a node so far in its step, and how long that took [s]; no time where
+/// both steps begin, and forces have not acted yet.
+struct Past<'a> {
+    impulse: &'a Impulse,
+    time: f64,
+}
+
+impl Past<'_> {
+    /// Tension and shear on an area [m²] that makes for these impulses and one more [Pa].
+    fn tractions(&self, more: &Exchange, normal: [f64; 3], area: f64) -> (f64, f64) {
+        let (n, t) = (self.impulse.normal(), self.impulse.friction());
+        let all: [f64; 3] = std::array::from_fn(|a| n[a] + t[a] + more.normal[a] + more.friction[a]);
+        let pull = dot(all, normal);
+        let across: [f64; 3] = std::array::from_fn(|a| all[a] - pull * normal[a]);
+        let per = 1.0 / (self.time * area);
+        (pull * per, dot(across, across).sqrt() * per)
     }
 }
 

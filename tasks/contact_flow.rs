@@ -1,6 +1,6 @@
 use crate::labels::{ContactFlow as ContactFlowLabel, Mass, Position, Volume};
 use engine::graph::task::{At, Body};
-use simd::Simd;
+use simd::{Simd, Wide};
 
 /// What contact needs to know of a surface: (mx)_I = Σ_p S_Ip m_p x_p, with m_I, and g_I = Σ_p V_p ∇S_Ip.
 pub struct ContactFlow;
@@ -21,6 +21,7 @@ impl Body for ContactFlow {
                 (m * S::load(&x[axis])).store(&mut flow[1 + axis]);
             }
             flow[4] = *volume;
+            flow[5] = Wide::default();
         }
     }
 }

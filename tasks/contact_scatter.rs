@@ -18,8 +18,8 @@ impl Body for ContactScatter {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let zero = S::splat(0.0);
         for (flow, rows) in io.flow.iter().zip(io.rows.iter_mut()) {
-            let [m, mx, my, mz, v] = load(flow);
-            to_rows([m, mx, my, mz], [v, zero, zero, v, zero, v], zero, rows);
+            let [m, mx, my, mz, v, b] = load(flow);
+            to_rows([m, mx, my, mz], [v, zero, zero, v, zero, v], b, rows);
         }
         scatter_rows::<S>(at, &io.weights, &io.rows, cast_slice_mut(&mut io.nodes));
     }

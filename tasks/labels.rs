@@ -30,12 +30,13 @@ engine::labels! {
     ViscousWork: Wide         = particle("J/m^3", "work of the artificial viscosity per reference volume");
     ReferencePosition: [Wide; 3] = particle("m", "X_p - X_c of a rigid body's particle");
     DriveIndex: Wide          = particle("1", "1 + index of the drive that moves p, 0: none");
+    Bond: Wide                = particle("1", "b_p: 1 where the bond of p holds, 0 where it is broken");
     Identity: Wide            = particle("1", "identity of p, as the bits of an integer").inert(&NOBODY);
 
     Weights: Stencil          = chunk("1, 1/m", "S_Ip and its gradient, one axis at a time");
     MassFlow: [Wide; 4]       = chunk("kg, N s", "m_p, m_p v_p: what S_Ip distributes");
     StressFlow: [Wide; 7]     = chunk("J, m^3", "-V0 tau, V: what grad S_Ip (and S_Ip) distribute");
-    ContactFlow: [Wide; 5]    = chunk("kg, kg m, m^3", "m_p, m_p x_p, V_p: what S_Ip and grad S_Ip distribute");
+    ContactFlow: [Wide; 6]    = chunk("kg, kg m, m^3", "m_p, m_p x_p, V_p, m_p b_p: what S_Ip and grad S_Ip distribute");
     ScatterRows: NodeRows     = chunk("mixed", "the flows, one row a particle");
     GatherRows: NodeRows      = chunk("mixed", "gathered sums, one row a particle");
     GridVelocity: [Wide; 3]   = chunk("m/s", "sum_I S_Ip v_I");
@@ -46,10 +47,10 @@ engine::labels! {
     NodeSums: node::Sums      = node("mixed", "m, m v (3), f (3), V").partials(3);
     DriveSums: node::Driven   = node("kg, N s", "mass that drives hold (3), 0, what they give it (3), 0").partials(3);
     DriveGift: node::Gift     = node("N s/kg, m/s", "what drives gave, a mass that they hold (3), 0, (v0 + v)/2 (3), 0").values(3);
-    ContactSums: node::Surface = node("mixed", "m, m x (3), sum V grad S (3), 0").partials(3).where_fields_meet();
+    ContactSums: node::Surface = node("mixed", "m, m x (3), sum V grad S (3), m b").partials(3).where_fields_meet();
     ToolSums: node::Surface   = node("mixed", "m, m x (3), sum V grad S (3), 0 near tools").partials(3).where_near();
-    ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), 0, friction (3), 0")
-                                    .lives(Step).where_fields_meet();
+    ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), broken bonds, friction (3), 0")
+                                    .values(3).lives(Step).where_fields_meet();
     NodeMotion: node::Motion  = node("m/s", "v (3), 0, change of v in this step (3), 0").values(3).lives(Step);
 
     BlockExtent: [Wide; 6]    = block("cells", "max of +-(base node) over the block, to see who leaves it").largest();

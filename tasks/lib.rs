@@ -4,7 +4,9 @@
 #![allow(missing_docs)] // each module is documented by its task
 
 pub mod advance;
+pub mod bond_flow;
 pub mod boundary;
+pub mod break_bond;
 pub mod clock;
 pub mod contact;
 pub mod contact_begin;

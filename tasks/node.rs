@@ -57,7 +57,7 @@ impl Sums {
     }
 }
 
-/// Where the surface of one field lies near a node: m, m x (3), Σ V ∇S (3), 0.
+/// Where the surface of one field lies near a node: m, m x (3), Σ V ∇S (3), m b.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Surface(pub Wide);
@@ -67,6 +67,11 @@ impl Surface {
     #[inline(always)]
     pub fn mass(&self) -> f64 {
         self.0.0[0]
+    }
+    /// The part of its mass whose bonds hold.
+    #[inline(always)]
+    pub fn bonded(&self) -> f64 {
+        self.0.0[7] / self.0.0[0]
     }
     /// (m x)_I, an axis of it [kg m].
     #[inline(always)]
@@ -183,6 +188,11 @@ impl Motion {
         let [a, b, c] = signs;
         Self(Wide([a * x, b * y, c * z, 0.0, a * dx, b * dy, c * dz, 0.0]))
     }
+    /// Adds `dv` to the velocity that the step begins with: particles are not told of it.
+    #[inline(always)]
+    pub fn begin_with(&mut self, dv: [f64; 3]) {
+        (0..3).for_each(|axis| self.0.0[axis] += dv[axis]);
+    }
     /// Adds `dv` to the velocity, and to what particles will be told of the change.
     #[inline(always)]
     pub fn add(&mut self, dv: [f64; 3]) {
@@ -193,7 +203,7 @@ impl Motion {
     }
 }
 
-/// What contact has given to one field at a node in this step: normal impulse (3), 0, friction (3), 0.
+/// What contact has given to one field at a node in this step: normal impulse (3), whether a bond broke, friction (3), 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Impulse(pub Wide);
@@ -204,6 +214,16 @@ impl Impulse {
     pub fn normal(&self) -> [f64; 3] {
         let [x, y, z, ..] = self.0.0;
         [x, y, z]
+    }
+    /// Whether a bond broke here in this step.
+    #[inline(always)]
+    pub fn is_broken(&self) -> bool {
+        self.0.0[3] > 0.0
+    }
+    /// A bond breaks here.
+    #[inline(always)]
+    pub fn break_bond(&mut self) {
+        self.0.0[3] = 1.0;
     }
     /// The part of friction [N s].
     #[inline(always)]

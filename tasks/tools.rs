@@ -188,7 +188,7 @@ impl Tools {
             let (depth, normal) = placed.distance(&tool.shape, y);
             let from: [f64; 3] = std::array::from_fn(|a| x[a] - y[a]);
             let before = (depth + dot(from, normal)) / h;
-            let bonded = meeting.law.is_bond();
+            let bonded = meeting.law.bond().is_some();
             let gap = before + self.surfaces[meeting.material].surface(-dot(from, normal) / h);
             let touches = if bonded { before <= BOND } else { before <= 1.0 && gap <= meeting.gap };
             if !touches {

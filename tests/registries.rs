@@ -142,7 +142,7 @@ fn walls_follow_their_tables() {
     for (name, bonds) in [("velocity", true), ("plate", false)] {
         let (_, face) = built(faces::CONDITIONS).find(|(other, _)| *other == name).expect("walls");
         let wall = face.wall().expect("a wall");
-        assert_eq!((wall.law.is_bond(), face.image(), face.acts()), (bonds, None, false));
+        assert_eq!((wall.law.bond().is_some(), face.image(), face.acts()), (bonds, None, false));
         for (time, wanted) in [(0.0, [3.0, -1.0, 0.5]), (1.5, [0.5, 1.5, 0.375]), (9.0, [-2.0, 4.0, 0.25])] {
             let way = wall.course.way(time, time + 1e-6).map(|way| way / 1e-6);
             assert!(norm(minus(way, wanted)) < 1e-5, "{name} at {time} s: {way:?}");

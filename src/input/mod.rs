@@ -8,6 +8,8 @@ mod error;
 mod fields;
 mod form;
 pub mod identity;
+mod meetings;
+mod moved;
 mod read;
 mod shapes;
 mod source;

@@ -14,8 +14,8 @@ use physics::materials::WithLaw;
 use scene::{Behavior, Rates, RigidMotion, Scene, sampling};
 use tasks::labels::RigidMotion as RigidMotionLabel;
 use tasks::labels::{
-    Deformation, DriveIndex, History, Identity, InitialVolume, Mass, Position, ReferencePosition, SCHEMA,
-    Time, UNDEFORMED, Velocity, Volume,
+    Bond, Deformation, DriveIndex, History, Identity, InitialVolume, Mass, Position, ReferencePosition,
+    SCHEMA, Time, UNDEFORMED, Velocity, Volume,
 };
 use tasks::recipes::{self, Givers};
 use tasks::rigid::state::RigidState;
@@ -170,6 +170,7 @@ fn add_body(
         set(Deformation::ID, &stretched);
         set(Volume::ID, &[volume]);
         set(History::ID, &history);
+        set(Bond::ID, &[1.0]);
         set(DriveIndex::ID, &[drive.map_or(0.0, |d| d as f64 + 1.0)]);
         set(Identity::ID, &[f64::from_bits(this)]);
         warehouse.insert(body.material, x, &record).map_err(outside)?;

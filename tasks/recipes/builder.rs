@@ -1,13 +1,8 @@
 //! The lines of recipes, as a scene asks for them.
 use super::givers::{Giver, Givers};
-use super::tools::{meets_tools, tools};
+use super::tools::meets_tools;
 use crate::advance::Advance;
 use crate::boundary::Boundary;
-use crate::contact::{Contact, FieldPair};
-use crate::contact_begin::ContactBegin;
-use crate::contact_flow::ContactFlow;
-use crate::contact_power::ContactPower;
-use crate::contact_scatter::ContactScatter;
 use crate::drive::Drive;
 use crate::drive_nodes::DriveNodes;
 use crate::drive_scatter::DriveScatter;
@@ -22,23 +17,19 @@ use crate::loads::{LoadField, Loads};
 use crate::mirror::Mirror;
 use crate::pic::Pic;
 use crate::reflection::Reflection;
-use crate::rigid::contact::RigidContact;
 use crate::rigid::follow::Follow;
 use crate::rigid::motion::RigidMotion;
 use crate::rigid::plan::RigidPlan;
 use crate::rigid::velocity::RigidVelocity;
 use crate::stress::Stress;
-use crate::tool_scatter::ToolScatter;
-use crate::tools::Tools;
 use crate::viscosity::Viscosity;
 use crate::weights::Weights;
 use engine::data::extent::Bases;
-use engine::data::fields::{FieldId, Fields};
+use engine::data::fields::Fields;
 use engine::graph::recipe::Recipe;
 use engine::graph::task::Runnable;
 use engine::schema::Label;
 use grid::Lattice;
-use physics::contact::surface::SurfaceTable;
 use physics::faces::FaceCondition;
 use physics::law::Law;
 use physics::materials::{AnyLaw, WithLaw};
@@ -48,11 +39,11 @@ use shapes::linear::Linear;
 
 /// Collects the lines of a recipe.
 pub(super) struct Builder<'a> {
-    scene: &'a Scene,
+    pub(super) scene: &'a Scene,
     recipe: Recipe,
     pub(super) rigid: Vec<bool>,
-    lattice: Lattice,
-    givers: Givers,
+    pub(super) lattice: Lattice,
+    pub(super) givers: Givers,
     /// Far below the mass of any particle at any node that it touches noticeably.
     pub(super) least_mass: f64,
 }
@@ -103,49 +94,6 @@ impl<'a> Builder<'a> {
 
     fn bases(&self, material: usize) -> Bases {
         Bases { inverse_cell: self.inverse_cell(), half_size: half_size(self.scene, material) }
-    }
-
-    /// Whether the particles of a material meet those of others.
-    pub(super) fn touches(&self, material: usize) -> bool {
-        self.meetings().any(|(_, c)| c.between.contains(&material))
-    }
-
-    /// Contacts between materials that both have particles, with their numbers.
-    fn meetings(&self) -> impl Iterator<Item = (usize, &'a scene::Contact)> + use<'a> {
-        let scene = self.scene;
-        let tool = move |c: &scene::Contact| c.between.iter().any(|&m| scene.materials[m].is_tool());
-        scene.contacts.iter().enumerate().filter(move |(_, c)| !tool(c))
-    }
-
-    /// What the particles of a material tell of its surface, where something is near.
-    pub(super) fn surfaces(&mut self, material: usize) {
-        let (touches, tools) = (self.touches(material), meets_tools(self.scene, material));
-        if touches || tools {
-            self.add(material, "contact", ContactFlow);
-        }
-        if touches {
-            self.add(material, "contact", ContactScatter);
-        }
-        if tools {
-            self.add(material, "contact", ToolScatter);
-        }
-    }
-
-    pub(super) fn tools(&mut self) {
-        let tools = tools(self.scene, &self.givers);
-        if !tools.is_empty() {
-            let (lattice, least_mass, surfaces) = (self.lattice, self.least_mass, self.surface_tables());
-            self.all("contact", Tools { tools, lattice, least_mass, surfaces });
-        }
-    }
-
-    /// Where the surface of each material lies.
-    fn surface_tables(&self) -> Vec<SurfaceTable> {
-        let table = |m: usize| {
-            let mean = |numbers: [f64; 3]| numbers.iter().sum::<f64>() / 3.0;
-            SurfaceTable::new(0.5 * mean(spacing(self.scene, m)), mean(half_size(self.scene, m)))
-        };
-        (0..self.scene.materials.len()).map(table).collect()
     }
 
     pub(super) fn rigid_plan(&mut self) {
@@ -208,36 +156,6 @@ impl<'a> Builder<'a> {
         if self.free().contains(&true) {
             let task = RigidVelocity { lattice: self.lattice, rigid: self.free() };
             self.all("material", task);
-        }
-    }
-
-    pub(super) fn contact_begin(&mut self) {
-        if self.meetings().next().is_some() {
-            self.all("contact", ContactBegin);
-        }
-    }
-
-    pub(super) fn contact_power(&mut self) {
-        if self.meetings().next().is_some() {
-            self.all("contact", ContactPower);
-        }
-    }
-
-    pub(super) fn contact(&mut self) {
-        if self.meetings().next().is_none() {
-            return;
-        }
-        let task = Contact {
-            pairs: self.field_pairs(),
-            lattice: self.lattice,
-            least_mass: self.least_mass,
-            rigid: self.rigid.clone(),
-            surfaces: self.surface_tables(),
-        };
-        if self.free().contains(&true) {
-            self.all("contact", RigidContact(task));
-        } else {
-            self.all("contact", task);
         }
     }
 
@@ -353,20 +271,6 @@ impl<'a> Builder<'a> {
     pub(super) fn follow(&mut self, material: usize) {
         self.add(material, "material", Follow { bases: self.bases(material) });
     }
-
-    /// The pairs of fields that touch: of two materials in contact, each field of one and each of the other.
-    fn field_pairs(&self) -> Vec<FieldPair> {
-        let (fields, mut pairs) = (fields(self.scene), Vec::new());
-        for (number, contact) in self.meetings() {
-            let tile = self.givers.tile(Giver::Contact(number)).unwrap_or(0);
-            let [first, second] = contact.between.map(|m| fields.of(m));
-            for between in first.flat_map(|a| second.clone().map(move |b| [a, b])) {
-                let (between, law, gap) = (between.map(FieldId::new), contact.law, contact.gap);
-                pairs.push(FieldPair { between, law, gap, tile });
-            }
-        }
-        pairs
-    }
 }
 
 struct AddStress<'a, 'b>(&'a mut Builder<'b>, usize);
@@ -387,7 +291,7 @@ pub fn half_size(scene: &Scene, material: usize) -> [f64; 3] {
 }
 
 /// Distance of a material's particles in cells along each axis.
-fn spacing(scene: &Scene, material: usize) -> [f64; 3] {
+pub(super) fn spacing(scene: &Scene, material: usize) -> [f64; 3] {
     let body = scene.bodies.iter().find(|b| b.material == material);
     body.map_or([0.5; 3], |b| b.particles_per_cell.map(|n| 1.0 / n as f64))
 }

@@ -51,11 +51,11 @@ pub fn tick(scene: &Scene) -> Recipe {
     recipe.all("", NodalVelocity { least_mass: recipe.least_mass });
     recipe.rigid_velocity();
     recipe.contact_begin();
-    recipe.contact();
+    recipe.contact(true);
     recipe.all("", Integrate { least_mass: recipe.least_mass });
     recipe.loads();
     recipe.rigid_velocity();
-    recipe.contact();
+    recipe.contact(false);
     recipe.tools();
     recipe.drive_nodes();
     recipe.boundary();
@@ -71,6 +71,7 @@ pub fn tick(scene: &Scene) -> Recipe {
             Behavior::Deformable(law) => {
                 recipe.mirror(m);
                 recipe.weights(m);
+                recipe.break_bond(m);
                 recipe.add(m, "", Gather);
                 recipe.stress(m, law);
                 recipe.viscosity(m);

@@ -1,6 +1,7 @@
 //! The recipes: ordered lists of tasks. The list is the algorithm; the graph derives the edges, drops what nobody needs and fuses
 //! neighbors, and what the scene does not ask for is not in the list.
 mod builder;
+mod contacts;
 mod explicit;
 mod givers;
 mod report;

@@ -1,29 +1,67 @@
-//! One velocity for both materials.
-use super::pair::{ContactLaw, Exchange, Pair, dot};
-use crate::parameter::{Described, Parameter, Refusal, Values};
+//! One velocity for both materials, as long as the bond holds.
+use super::friction::{Criterion, Friction};
+use super::pair::{ContactLaw, Exchange, Pair, Strength, dot};
+use crate::parameter::{Described, Dimension, Parameter, Refusal, Values};
 
-/// Takes away all relative velocity.
+/// Takes away all relative velocity, until the traction is too large; then the surfaces rub and part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bonded;
+pub struct Bonded {
+    /// What the bond bears.
+    pub strength: Strength,
+    /// Coefficient of friction where it is broken.
+    pub friction: f64,
+}
+
+impl Bonded {
+    /// A bond that never breaks.
+    pub const FOREVER: Self =
+        Self { strength: Strength { normal: f64::INFINITY, shear: f64::INFINITY }, friction: 0.0 };
+}
 
 impl Described for Bonded {
     const NAME: &'static str = "bonded";
-    const SUMMARY: &'static str = "One velocity for both materials.";
-    const PARAMETERS: &'static [Parameter] = &[];
+    const SUMMARY: &'static str = "One velocity for both materials wherever particles of both reach a node, whatever the gap; \
+        with a strength, until the traction between them exceeds it, and friction from then on.";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::positive_or(
+            "normal-strength",
+            Dimension::Stress,
+            f64::INFINITY,
+            "Tension at which the bond breaks; absent: never.",
+        ),
+        Parameter::positive_or(
+            "shear-strength",
+            Dimension::Stress,
+            f64::INFINITY,
+            "Shear at which the bond breaks; absent: never.",
+        ),
+        Parameter::at_least(
+            "friction",
+            Dimension::One,
+            0.0,
+            Some(0.0),
+            "Coefficient of friction where it is broken.",
+        ),
+    ];
     type Built = Self;
-    fn build(_values: &Values) -> Result<Self, Refusal> {
-        Ok(Self)
+    fn build(values: &Values) -> Result<Self, Refusal> {
+        let [normal, shear] = ["normal-strength", "shear-strength"].map(|key| values.number(key));
+        Ok(Self { strength: Strength { normal, shear }, friction: values.number("friction") })
     }
 }
 
 impl ContactLaw for Bonded {
     #[inline]
-    fn is_bond(&self) -> bool {
-        true
+    fn bond(&self) -> Option<Strength> {
+        Some(self.strength)
     }
     #[inline]
     fn exchange(&self, pair: &Pair) -> Exchange {
         let along = dot(pair.relative, pair.normal);
         pair.exchange(along, std::array::from_fn(|a| pair.relative[a] - along * pair.normal[a]))
+    }
+    #[inline]
+    fn broken(&self, pair: &Pair) -> Exchange {
+        Friction { coefficient: self.friction, criterion: Criterion::Approach }.exchange(pair)
     }
 }

@@ -4,7 +4,7 @@ pub mod friction;
 mod pair;
 pub mod surface;
 
-pub use pair::{ContactLaw, Exchange, Pair, cross, dot};
+pub use pair::{ContactLaw, Exchange, Pair, Strength, cross, dot};
 
 use super::parameter::Entry;
 
@@ -33,8 +33,12 @@ macro_rules! registry {
                 match self { $(AnyContactLaw::$variant(law) => law.exchange(pair)),* }
             }
             #[inline]
-            fn is_bond(&self) -> bool {
-                match self { $(AnyContactLaw::$variant(law) => law.is_bond()),* }
+            fn bond(&self) -> Option<Strength> {
+                match self { $(AnyContactLaw::$variant(law) => law.bond()),* }
+            }
+            #[inline]
+            fn broken(&self, pair: &Pair) -> Exchange {
+                match self { $(AnyContactLaw::$variant(law) => law.broken(pair)),* }
             }
         }
         $(impl From<$law> for AnyContactLaw {

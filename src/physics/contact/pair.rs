@@ -30,9 +30,35 @@ pub trait ContactLaw {
     /// The impulses that the pair exchanges where its surfaces touch.
     fn exchange(&self, pair: &Pair) -> Exchange;
 
-    /// Whether it holds two materials together, whatever they do.
-    fn is_bond(&self) -> bool {
-        false
+    /// What it bears, if it holds two materials together, whatever they do.
+    fn bond(&self) -> Option<Strength> {
+        None
+    }
+
+    /// The impulses that the pair exchanges where its bond is broken and its surfaces touch.
+    fn broken(&self, pair: &Pair) -> Exchange {
+        self.exchange(pair)
+    }
+}
+
+/// The tractions that a bond bears [Pa].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strength {
+    /// Tension.
+    pub normal: f64,
+    /// Shear.
+    pub shear: f64,
+}
+
+impl Strength {
+    /// Whether a bond ever breaks.
+    pub fn is_finite(self) -> bool {
+        self.normal.is_finite() || self.shear.is_finite()
+    }
+
+    /// Whether a tension and a shear [Pa] are too much.
+    pub fn is_exceeded(self, tension: f64, shear: f64) -> bool {
+        tension > self.normal || shear > self.shear
     }
 }
 

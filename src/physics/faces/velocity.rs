@@ -27,7 +27,7 @@ impl FaceCondition for Velocity {
         false
     }
     fn wall(&self) -> Option<Wall> {
-        Some(Wall { course: Course::Velocity(self.table.clone()), law: Bonded.into() })
+        Some(Wall { course: Course::Velocity(self.table.clone()), law: Bonded::FOREVER.into() })
     }
     fn correction(&self, _axis: usize, _time: f64, _velocity: [f64; 3]) -> [f64; 3] {
         [0.0; 3]

@@ -1,0 +1,149 @@
+//! Contacts and drives of a completed document: who meets whom, and what moves as prescribed.
+use super::build::material_index;
+use super::choose;
+use super::document::{Node, dotted};
+use super::error::{Fault, Outcome, suggestion};
+use super::shapes::solid;
+use physics::contact::{self, ContactLaw};
+use scene::*;
+
+pub(super) fn contacts(given: &Node, materials: &[Material]) -> Outcome<Vec<Contact>> {
+    let mut contacts: Vec<Contact> = Vec::new();
+    for (i, node) in given.items().iter().enumerate() {
+        let contact = contact(node, materials, &dotted("contact", &i.to_string()))?;
+        if contacts.iter().any(|other| other.between == contact.between) {
+            let [a, b] = contact.between.map(|index| &materials[index].name);
+            let message = format!("the contact between {a:?} and {b:?} is described twice");
+            return Err(Fault::new(node.get("between").place, message).help("remove one of the two"));
+        }
+        breakable(&contact, &contacts, node, materials)?;
+        contacts.push(contact);
+    }
+    Ok(contacts)
+}
+
+/// A bond with a strength is one between matter, and the only one of its materials: particles know of one bond.
+fn breakable(contact: &Contact, others: &[Contact], node: &Node, materials: &[Material]) -> Outcome<()> {
+    let parts = |c: &Contact| c.law.bond().is_some_and(|strength| strength.is_finite());
+    if !parts(contact) {
+        return Ok(());
+    }
+    if let Some(&rigid) =
+        contact.between.iter().find(|&&m| matches!(materials[m].behavior, Behavior::Rigid(_)))
+    {
+        let message = format!(
+            "the bond with the rigid material {:?} has a strength, which is not modelled",
+            materials[rigid].name
+        );
+        return Err(
+            Fault::new(node.place, message).help("leave out the strength, or make the material deformable")
+        );
+    }
+    let shares = |other: &&Contact| parts(other) && other.between.iter().any(|m| contact.between.contains(m));
+    if let Some(other) = others.iter().find(shares) {
+        let shared = other.between.iter().find(|m| contact.between.contains(m)).copied().unwrap_or(0);
+        let message = format!("material {:?} has two bonds with a strength", materials[shared].name);
+        return Err(
+            Fault::new(node.place, message).help("a material may have one: split it into two materials")
+        );
+    }
+    Ok(())
+}
+
+fn contact(given: &Node, materials: &[Material], path: &str) -> Outcome<Contact> {
+    let between = given.get("between");
+    let mut pair = [0; 2];
+    for (index, name) in pair.iter_mut().zip(between.items()) {
+        *index = material_index(name, materials)?;
+    }
+    if pair[0] == pair[1] {
+        let name = &materials[pair[0]].name;
+        let message = format!("material {name:?} cannot be in contact with itself");
+        let help = "bodies of one material share a velocity field: make a second material of the same law";
+        return Err(Fault::new(between.place, message).help(help));
+    }
+    if pair.iter().all(|&m| matches!(materials[m].behavior, Behavior::Rigid(_))) {
+        let [a, b] = pair.map(|m| &materials[m].name);
+        let message = format!("materials {a:?} and {b:?} are both rigid: their contact is not modelled");
+        let help = "make one of them deformable, or leave the contact out: then they pass through each other";
+        return Err(Fault::new(between.place, message).help(help));
+    }
+    pair.sort_unstable();
+    let law = choose::tagged(contact::LAWS, "law", given, path)?;
+    Ok(Contact { between: pair, law, gap: given.get("gap").number() })
+}
+
+pub(super) fn drives(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Drive>> {
+    let mut drives: Vec<Drive> = Vec::new();
+    for (number, node) in given.items().iter().enumerate() {
+        let drive = drive(node, number, materials, bodies)?;
+        if drives.iter().any(|other| other.name == drive.name) {
+            let place = node.find("name").unwrap_or(node).place;
+            return Err(Fault::new(place, format!("there are two drives named {:?}", drive.name))
+                .help("give each drive a name of its own"));
+        }
+        drives.push(drive);
+    }
+    Ok(drives)
+}
+
+fn drive(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> Outcome<Drive> {
+    let material = material_index(given.get("material"), materials)?;
+    if let Behavior::Rigid(_) = materials[material].behavior {
+        let name = &materials[material].name;
+        let message = format!("material {name:?} is rigid: a drive cannot move a part of it");
+        return Err(Fault::new(given.get("material").place, message)
+            .help(format!("set `material.{name}.motion = \"prescribed\"` with its velocity")));
+    }
+    let components = given.get("components").word();
+    Ok(Drive {
+        name: given.find("name").map_or_else(|| number.to_string(), |name| name.word().to_owned()),
+        material,
+        region: region(given, material, materials, bodies)?,
+        motion: motion(given)?,
+        components: ["x", "y", "z"].map(|axis| components.contains(axis)),
+        until: given.find("until").map_or(f64::INFINITY, Node::number),
+    })
+}
+
+/// The part of a material that a table means by `region` or `body`.
+fn region(given: &Node, material: usize, materials: &[Material], bodies: &Node) -> Outcome<Region> {
+    match (given.find("region"), given.find("body")) {
+        (None, None) => Ok(Region::All),
+        (Some(shape), None) => solid(shape).map(Region::Solid),
+        (Some(_), Some(body)) => Err(Fault::new(body.place, "both `region` and `body` are given")
+            .help("keep one: the region of a body is what lies in both, an `intersection` of shapes")),
+        (None, Some(body)) => {
+            let name = body.word();
+            let of = |node: &Node| node.get("name").word().to_owned();
+            let Some(index) = bodies.items().iter().position(|node| of(node) == name) else {
+                let names: Vec<String> = bodies.items().iter().map(of).collect();
+                return Err(Fault::new(body.place, format!("there is no body {name:?}"))
+                    .help(suggestion(name, names.iter().map(String::as_str))));
+            };
+            let made_of = bodies.items()[index].get("material").word();
+            if made_of != materials[material].name {
+                let message =
+                    format!("body {name:?} is made of {made_of:?}, not of {:?}", materials[material].name);
+                return Err(Fault::new(body.place, message).help("change `material` or `body`"));
+            }
+            Ok(Region::Body(index))
+        }
+    }
+}
+
+/// A rigid motion, by `velocity` or `displacement`, `angular-velocity` and `center`.
+pub(super) fn motion(given: &Node) -> Outcome<Motion> {
+    let course = match (given.find("velocity"), given.find("displacement")) {
+        (None, None) => Course::rest(),
+        (Some(velocity), None) => Course::Velocity(choose::in_time(velocity)),
+        (None, Some(displacement)) => Course::Displacement(choose::in_time(displacement)),
+        (Some(_), Some(displacement)) => {
+            return Err(Fault::new(displacement.place, "both `velocity` and `displacement` are given")
+                .help("keep one: each says where the center is"));
+        }
+    };
+    let spin = choose::in_time(given.get("angular-velocity"));
+    let center = given.find("center").map_or([0.0; 3], Node::vector);
+    Ok(Motion { course, spin, center })
+}

@@ -1,0 +1,122 @@
+//! The lines of contact, of bonds and of tools.
+use super::builder::{Builder, fields, half_size, spacing};
+use super::givers::Giver;
+use super::tools::{meets_tools, tools};
+use crate::bond_flow::BondFlow;
+use crate::break_bond::BreakBond;
+use crate::contact::{Contact, FieldPair};
+use crate::contact_begin::ContactBegin;
+use crate::contact_flow::ContactFlow;
+use crate::contact_power::ContactPower;
+use crate::contact_scatter::ContactScatter;
+use crate::rigid::contact::RigidContact;
+use crate::tool_scatter::ToolScatter;
+use crate::tools::Tools;
+use engine::data::fields::FieldId;
+use physics::contact::ContactLaw;
+use physics::contact::surface::SurfaceTable;
+
+impl<'a> Builder<'a> {
+    /// Whether the particles of a material meet those of others.
+    pub(super) fn touches(&self, material: usize) -> bool {
+        self.meetings().any(|(_, c)| c.between.contains(&material))
+    }
+
+    /// Whether a material has a bond that may break.
+    fn may_part(&self, material: usize) -> bool {
+        let parts = |c: &scene::Contact| c.law.bond().is_some_and(|strength| strength.is_finite());
+        self.meetings().any(|(_, c)| c.between.contains(&material) && parts(c))
+    }
+
+    pub(super) fn break_bond(&mut self, material: usize) {
+        if self.may_part(material) {
+            self.add(material, "contact", BreakBond);
+        }
+    }
+
+    /// Contacts between materials that both have particles, with their numbers.
+    fn meetings(&self) -> impl Iterator<Item = (usize, &'a scene::Contact)> + use<'a> {
+        let scene = self.scene;
+        let tool = move |c: &scene::Contact| c.between.iter().any(|&m| scene.materials[m].is_tool());
+        scene.contacts.iter().enumerate().filter(move |(_, c)| !tool(c))
+    }
+
+    /// What the particles of a material tell of its surface, where something is near.
+    pub(super) fn surfaces(&mut self, material: usize) {
+        let (touches, tools) = (self.touches(material), meets_tools(self.scene, material));
+        match self.may_part(material) {
+            true => self.add(material, "contact", BondFlow),
+            false if touches || tools => self.add(material, "contact", ContactFlow),
+            false => {}
+        }
+        if touches {
+            self.add(material, "contact", ContactScatter);
+        }
+        if tools {
+            self.add(material, "contact", ToolScatter);
+        }
+    }
+
+    pub(super) fn tools(&mut self) {
+        let tools = tools(self.scene, &self.givers);
+        if !tools.is_empty() {
+            let (lattice, least_mass, surfaces) = (self.lattice, self.least_mass, self.surface_tables());
+            self.all("contact", Tools { tools, lattice, least_mass, surfaces });
+        }
+    }
+
+    /// Where the surface of each material lies.
+    fn surface_tables(&self) -> Vec<SurfaceTable> {
+        let table = |m: usize| {
+            let mean = |numbers: [f64; 3]| numbers.iter().sum::<f64>() / 3.0;
+            SurfaceTable::new(0.5 * mean(spacing(self.scene, m)), mean(half_size(self.scene, m)))
+        };
+        (0..self.scene.materials.len()).map(table).collect()
+    }
+
+    pub(super) fn contact_begin(&mut self) {
+        if self.meetings().next().is_some() {
+            self.all("contact", ContactBegin);
+        }
+    }
+
+    pub(super) fn contact_power(&mut self) {
+        if self.meetings().next().is_some() {
+            self.all("contact", ContactPower);
+        }
+    }
+
+    /// Contact at nodes: of the interpolated velocities, or of those on which forces have acted.
+    pub(super) fn contact(&mut self, interpolated: bool) {
+        if self.meetings().next().is_none() {
+            return;
+        }
+        let task = Contact {
+            pairs: self.field_pairs(),
+            lattice: self.lattice,
+            least_mass: self.least_mass,
+            rigid: self.rigid.clone(),
+            surfaces: self.surface_tables(),
+            interpolated,
+        };
+        if self.free().contains(&true) {
+            self.all("contact", RigidContact(task));
+        } else {
+            self.all("contact", task);
+        }
+    }
+
+    /// The pairs of fields that touch: of two materials in contact, each field of one and each of the other.
+    fn field_pairs(&self) -> Vec<FieldPair> {
+        let (fields, mut pairs) = (fields(self.scene), Vec::new());
+        for (number, contact) in self.meetings() {
+            let tile = self.givers.tile(Giver::Contact(number)).unwrap_or(0);
+            let [first, second] = contact.between.map(|m| fields.of(m));
+            for between in first.flat_map(|a| second.clone().map(move |b| [a, b])) {
+                let (between, law, gap) = (between.map(FieldId::new), contact.law, contact.gap);
+                pairs.push(FieldPair { between, law, gap, tile });
+            }
+        }
+        pairs
+    }
+}
