@@ -30,6 +30,8 @@ engine::labels! {
     ViscousWork: Wide         = particle("J/m^3", "work of the artificial viscosity per reference volume");
     ReferencePosition: [Wide; 3] = particle("m", "X_p - X_c of a rigid body's particle");
     DriveIndex: Wide          = particle("1", "1 + index of the drive that moves p, 0: none");
+    ForceIndex: Wide          = particle("1", "1 + index of the force that acts on p, 0: none");
+    SurfaceArea: [Wide; 3]    = particle("m^2, 1", "area of its undeformed faces on the surface, or its share of a force");
     Bond: Wide                = particle("1", "b_p: 1 where the bond of p holds, 0 where it is broken");
     Identity: Wide            = particle("1", "identity of p, as the bits of an integer").inert(&NOBODY);
 

@@ -37,6 +37,11 @@ impl Sums {
             *sum += part * [1.0, signs[0], signs[1], signs[2], signs[0], signs[1], signs[2], 1.0][lane];
         }
     }
+    /// Adds a force.
+    #[inline(always)]
+    pub fn add_force(&mut self, force: [f64; 3]) {
+        (0..3).for_each(|axis| self.0.0[4 + axis] += force[axis]);
+    }
     /// Takes away momentum and force along the axes that R turns.
     #[inline(always)]
     pub fn hold(&mut self, signs: [f64; 3]) {

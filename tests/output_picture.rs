@@ -48,6 +48,7 @@ fn scene() -> Scene {
         contacts: vec![],
         faces: std::array::from_fn(|_| Free.into()),
         drives: vec![],
+        forces: vec![],
         loads: Loads { gravity: Table(vec![(0.0, [0.0; 3])]), damping: 0.0, local_damping: 0.0 },
         run: Run {
             until: 1.0,

@@ -3,7 +3,7 @@ use super::choose;
 use super::document::{Node, dotted};
 use super::error::{Fault, Outcome, suggestion};
 use super::fields::FACES;
-use super::meetings::{contacts, drives, motion};
+use super::meetings::{contacts, drives, forces, motion};
 use super::moved::RIGID;
 use super::shapes::{solid, unit_vector};
 use physics::faces::AnyFaceCondition;
@@ -39,6 +39,7 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
         bodies: collect(root.get("body"), |node| body(node, &materials))?,
         contacts: contacts(root.get("contact"), &materials)?,
         faces: face_conditions(root.get("boundary"))?,
+        forces: forces(root.get("force"), &materials, root.get("body"))?,
         drives: drives(root.get("drive"), &materials, root.get("body"))?,
         loads: Loads {
             gravity: choose::in_time(load.get("gravity")),

@@ -33,7 +33,11 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
         (Form::Vector(dimension, length), Data::List(items)) if items.len() == *length => {
             list(items, &super::form::any(*dimension), path)?
         }
-        (Form::InTime(dimension), Data::List(items)) => in_time(items, *dimension, node.place, path)?,
+        (Form::InTime(dimension), Data::List(items)) => in_time(items, (*dimension, 3), node.place, path)?,
+        (Form::NumberInTime(dimension), Data::List(items)) => {
+            in_time(items, (*dimension, 1), node.place, path)?
+        }
+        (Form::NumberInTime(dimension), _) => complete(node, &super::form::any(*dimension), path)?.data,
         (Form::Table(fields), Data::Table(entries)) => table(entries, fields, node.place, path)?,
         (Form::Parameters(parameters), Data::Table(entries)) => {
             let fields: Vec<_> = parameters.iter().map(Field::from).collect();
@@ -175,9 +179,14 @@ fn list(items: &[Node], form: &Form, path: &str) -> Outcome<Data> {
     Ok(Data::List(items.iter().enumerate().map(item).collect::<Outcome<_>>()?))
 }
 
-/// A vector, or rows with ascending times.
-fn in_time(items: &[Node], dimension: Dimension, place: Place, path: &str) -> Outcome<Data> {
-    let form = Form::Vector(dimension, 3);
+/// A vector of so many numbers, or rows with ascending times.
+fn in_time(
+    items: &[Node],
+    (dimension, count): (Dimension, usize),
+    place: Place,
+    path: &str,
+) -> Outcome<Data> {
+    let form = Form::Vector(dimension, count);
     if !items.iter().any(|item| matches!(item.data, Data::List(_))) {
         return complete(&Node { data: Data::List(items.to_vec()), place, given: true }, &form, path)
             .map(|node| node.data);
@@ -187,10 +196,12 @@ fn in_time(items: &[Node], dimension: Dimension, place: Place, path: &str) -> Ou
     for (i, row) in items.iter().enumerate() {
         let path = dotted(path, &i.to_string());
         let [time, vector @ ..] = row.items() else {
-            return Err(wrong_type(row, &Form::InTime(dimension), &path));
+            let form = if count == 3 { Form::InTime(dimension) } else { Form::NumberInTime(dimension) };
+            return Err(wrong_type(row, &form, &path));
         };
-        if vector.len() != 3 {
-            let message = format!("`{path}` must be a row [time, x, y, z], not {} values", vector.len() + 1);
+        if vector.len() != count {
+            let wanted = if count == 3 { "x, y, z" } else { "number" };
+            let message = format!("`{path}` must be a row [time, {wanted}], not {} values", vector.len() + 1);
             return Err(Fault::new(row.place, message));
         }
         let time = complete(time, &super::form::any(Dimension::Time), &path)?;

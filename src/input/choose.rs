@@ -45,6 +45,18 @@ pub(super) fn in_time(given: &Node) -> Table {
     }
 }
 
+/// A number in time as a vector along x.
+pub(super) fn number_in_time(given: &Node) -> Table {
+    let row = |row: &Node| {
+        let [t, x] = row.vector();
+        (t, [x, 0.0, 0.0])
+    };
+    match given.items() {
+        [] => Table(vec![(0.0, [given.number(), 0.0, 0.0])]),
+        rows => Table(rows.iter().map(row).collect()),
+    }
+}
+
 fn known<'a, T>(entries: &'a [Entry<T>], name: &str, given: &Node) -> Outcome<&'a Entry<T>> {
     // the description of the field has the same entries
     entry(entries, name).ok_or_else(|| Fault::new(given.place, format!("there is no {name:?}")))

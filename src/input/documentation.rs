@@ -18,7 +18,7 @@ descriptions by which scenes are read; what is not on it is an error in a scene.
 `--set contact.0.friction=0.1`, `--set body.bullet.velocity.1='-150 m/s'`. Items of arrays have an index, or the `name` they \
 give themselves. Without a value the key is removed.
 - A *vector in time* is `[x, y, z]`, or rows `[[time, x, y, z], ...]` with ascending times: linear between the rows, \
-constant before and after them.
+constant before and after them. A *number in time* is a number, or rows `[[time, number], ...]`.
 
 ";
 
@@ -182,6 +182,7 @@ fn accepts(form: &Form) -> String {
         Form::Choice(words) => quoted(words).join(", "),
         Form::Vector(dimension, length) => with_unit(&format!("{length} numbers"), *dimension),
         Form::InTime(dimension) => with_unit("a vector in time", *dimension),
+        Form::NumberInTime(dimension) => with_unit("a number in time", *dimension),
         Form::List(form) if std::ptr::eq(*form, &SHAPE) => "shapes".into(),
         Form::List(_) => "tables".into(),
         Form::Named(_) => "named tables".into(),

@@ -2,7 +2,7 @@
 use super::form::{
     Absent, Case, Counts, Field, Form, Options, Range, any, count_from, not_negative, positive,
 };
-use super::moved::{DRIVE, RIGID, RIGID_FIELDS};
+use super::moved::{DRIVE, FORCE, RIGID, RIGID_FIELDS};
 use super::shapes::SHAPE;
 use physics::parameter::Dimension::{
     Acceleration, Angle, AngularVelocity, Density, Length, One, Rate, Time, Velocity,
@@ -45,6 +45,12 @@ pub(super) static SCENE: &[Field] = &[
         "Regions of matter whose motion is prescribed: grips. The nodes that they touch move with them.",
     ),
     Field::with_default("load", Form::Table(LOAD), Absent::Empty, "What acts on all matter."),
+    Field::with_default(
+        "force",
+        Form::List(&Form::Table(FORCE)),
+        Absent::Empty,
+        "Forces on parts of bodies, tractions and pressures on their surfaces.",
+    ),
     Field::required("run", Form::Table(RUN), "Numerics."),
     Field::with_default("output", Form::Table(OUTPUT), Absent::Empty, "What to write."),
 ];

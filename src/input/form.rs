@@ -53,6 +53,8 @@ pub(super) enum Form {
     Vector(Dimension, usize),
     /// A vector of a dimension in time: one vector, or rows of time and vector, linear in between.
     InTime(Dimension),
+    /// A number of a dimension in time: one number, or rows of time and number, linear in between.
+    NumberInTime(Dimension),
     Table(&'static [Field]),
     /// Any number of items.
     List(&'static Form),
@@ -252,6 +254,7 @@ impl Form {
             Form::Pair => "an array of the names of two materials".into(),
             Form::Vector(_, length) => format!("an array of {length} numbers"),
             Form::InTime(_) => "a vector or an array of rows [time, x, y, z]".into(),
+            Form::NumberInTime(_) => "a number or an array of rows [time, number]".into(),
             Form::Table(_) | Form::Parameters(_) | Form::Named(_) | Form::Tagged { .. } => "a table".into(),
             Form::List(_) => "an array".into(),
             Form::One(_) => "a table with one key".into(),

@@ -1,8 +1,9 @@
-//! Contacts and drives of a completed document: who meets whom, and what moves as prescribed.
+//! Contacts, drives and forces of a completed document: who meets whom, what moves as prescribed, and what is pushed.
 use super::build::material_index;
 use super::choose;
 use super::document::{Node, dotted};
 use super::error::{Fault, Outcome, suggestion};
+use super::moved::SIDES;
 use super::shapes::solid;
 use physics::contact::{self, ContactLaw};
 use scene::*;
@@ -146,4 +147,49 @@ pub(super) fn motion(given: &Node) -> Outcome<Motion> {
     let spin = choose::in_time(given.get("angular-velocity"));
     let center = given.find("center").map_or([0.0; 3], Node::vector);
     Ok(Motion { course, spin, center })
+}
+
+pub(super) fn forces(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Force>> {
+    let mut forces: Vec<Force> = Vec::new();
+    for (number, node) in given.items().iter().enumerate() {
+        let force = force(node, number, materials, bodies)?;
+        if forces.iter().any(|other| other.name == force.name) {
+            let place = node.find("name").unwrap_or(node).place;
+            return Err(Fault::new(place, format!("there are two forces named {:?}", force.name))
+                .help("give each force a name of its own"));
+        }
+        forces.push(force);
+    }
+    Ok(forces)
+}
+
+fn force(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> Outcome<Force> {
+    let material = material_index(given.get("material"), materials)?;
+    if let Behavior::Rigid(_) = materials[material].behavior {
+        let message =
+            format!("material {:?} is rigid: forces act on deformable matter", materials[material].name);
+        return Err(
+            Fault::new(given.get("material").place, message).help("use `load.gravity`, or a deformable body")
+        );
+    }
+    let kind = match ["total", "traction", "pressure"].map(|key| given.find(key)) {
+        [Some(total), None, None] => ForceKind::Total(choose::in_time(total)),
+        [None, Some(traction), None] => ForceKind::Traction(choose::in_time(traction)),
+        [None, None, Some(pressure)] if given.get("follows").flag() => {
+            ForceKind::Pressure(choose::number_in_time(pressure))
+        }
+        [None, None, Some(pressure)] => ForceKind::DeadPressure(choose::number_in_time(pressure)),
+        _ => {
+            let message = "a force has one of `total`, `traction` and `pressure`";
+            return Err(Fault::new(given.place, message).help("give just one of them"));
+        }
+    };
+    let side = SIDES.iter().position(|side| *side == given.get("side").word()).unwrap_or(0);
+    Ok(Force {
+        name: given.find("name").map_or_else(|| number.to_string(), |name| name.word().to_owned()),
+        material,
+        region: region(given, material, materials, bodies)?,
+        kind,
+        sides: std::array::from_fn(|face| side == 0 || side == face + 1),
+    })
 }

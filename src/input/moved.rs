@@ -1,7 +1,7 @@
-//! Fields of what moves as prescribed, or as one: rigid bodies and drives.
+//! Fields of what moves as prescribed, or as one, and of what is pushed: rigid bodies, drives, forces.
 use super::form::{Absent, Field, Form, positive};
 use super::shapes::SHAPE;
-use physics::parameter::Dimension::{AngularVelocity, Length, Time, Velocity};
+use physics::parameter::Dimension::{AngularVelocity, Force, Length, Stress, Time, Velocity};
 
 const ZERO: Absent = Absent::Vector([0.0; 3]);
 const POINT: Form = Form::Vector(Length, 3);
@@ -82,3 +82,41 @@ pub(super) static DRIVE: &[Field] = &[
 
 /// Words of `drive.components`.
 const COMPONENTS: &[&str] = &["x", "y", "z", "xy", "xz", "yz", "xyz"];
+
+/// Words of `force.side`: all, and those of `Force::sides` in their order.
+pub(super) const SIDES: &[&str] = &["all", "-x", "+x", "-y", "+y", "-z", "+z"];
+
+pub(super) static FORCE: &[Field] = &[
+    Field::optional("name", Form::Text, "Its name in `history.csv`; absent: its number, from 0."),
+    Field::required("material", Form::Material, "The material on which it acts."),
+    Field::optional(
+        "region",
+        Form::Other(&SHAPE),
+        "It acts on particles that lie in this shape at the start; absent: all of the body or of the material.",
+    ),
+    Field::optional("body", Form::Text, "The name of a body on which it acts, instead of a region."),
+    Field::optional(
+        "total",
+        Form::InTime(Force),
+        "A force in time, spread over all particles of the region.",
+    ),
+    Field::optional(
+        "traction",
+        Form::InTime(Stress),
+        "A force in time for each area of the surface at the start; it keeps its direction.",
+    ),
+    Field::optional("pressure", Form::NumberInTime(Stress), "A pressure on the surface in time."),
+    Field::with_default(
+        "follows",
+        Form::Flag,
+        Absent::Flag(true),
+        "Whether a pressure follows the surface as it turns and stretches; or stays as at the start.",
+    ),
+    Field::with_default(
+        "side",
+        Form::Choice(SIDES),
+        Absent::Word("all"),
+        "Tractions and pressures: on which faces of the particles on the surface, by their normals at the start. The surface is \
+        made of faces of particles: what is oblique has steps, whose resultant is right.",
+    ),
+];

@@ -20,6 +20,8 @@ pub enum Dimension {
     Density,
     /// Pa
     Stress,
+    /// N
+    Force,
     /// rad
     Angle,
     /// rad/s
@@ -38,6 +40,7 @@ impl Dimension {
         Dimension::Acceleration,
         Dimension::Density,
         Dimension::Stress,
+        Dimension::Force,
         Dimension::Angle,
         Dimension::AngularVelocity,
         Dimension::Rate,
@@ -53,6 +56,7 @@ impl Dimension {
             Dimension::Acceleration => "m/s^2",
             Dimension::Density => "kg/m^3",
             Dimension::Stress => "Pa",
+            Dimension::Force => "N",
             Dimension::Angle => "rad",
             Dimension::AngularVelocity => "rad/s",
             Dimension::Rate => "1/s",

@@ -64,6 +64,8 @@ pub struct Scene {
     pub drives: Vec<Drive>,
     /// What acts on all matter.
     pub loads: Loads,
+    /// What acts on surfaces and parts of bodies.
+    pub forces: Vec<Force>,
     /// Numerics.
     pub run: Run,
     /// What to write.
@@ -183,6 +185,34 @@ pub struct Drive {
     pub components: [bool; 3],
     /// When they are released [s].
     pub until: f64,
+}
+
+/// A force on a part of a body or its surface.
+#[derive(Clone, Debug)]
+pub struct Force {
+    /// Its name in files.
+    pub name: String,
+    /// Index of the material on which it acts.
+    pub material: usize,
+    /// On which of its particles.
+    pub region: Region,
+    /// What acts.
+    pub kind: ForceKind,
+    /// On which faces of particles on the surface: x−, x+, y−, y+, z−, z+ at the start.
+    pub sides: [bool; 6],
+}
+
+/// What a force is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ForceKind {
+    /// [N] in time, spread over all particles of the region.
+    Total(Table),
+    /// [Pa] in time, per area at the start, in a direction that stays.
+    Traction(Table),
+    /// [Pa] in time (along x), against the surface as it is then.
+    Pressure(Table),
+    /// [Pa] in time (along x), against the surface as it was at the start.
+    DeadPressure(Table),
 }
 
 /// A part of a material's particles.

@@ -47,6 +47,14 @@ pub enum RunError {
         /// The material.
         material: String,
     },
+    /// Two forces on one particle.
+    #[error("the forces {} and {} both act on the particle at {position:?} m: let their regions, or sides, not overlap", names[0], names[1])]
+    TwoForces {
+        /// Their names.
+        names: [String; 2],
+        /// Where the particle is [m].
+        position: [f64; 3],
+    },
     /// A body's particle lies outside of the level.
     #[error("body {body} reaches outside of the domain")]
     Outside {

@@ -13,6 +13,7 @@ pub mod populate;
 pub mod rates;
 pub mod recorder;
 mod snapshot;
+mod surfaces;
 mod together;
 
 pub use balance::Balance;

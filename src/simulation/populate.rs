@@ -1,5 +1,6 @@
 //! From bodies to particles.
 use super::fault::RunError;
+use super::surfaces::Surfaces;
 use engine::data::layout::ParticleLayout;
 use engine::data::nearby::Nearby;
 use engine::data::rates::Clock;
@@ -14,8 +15,8 @@ use physics::materials::WithLaw;
 use scene::{Behavior, Rates, RigidMotion, Scene, sampling};
 use tasks::labels::RigidMotion as RigidMotionLabel;
 use tasks::labels::{
-    Bond, Deformation, DriveIndex, History, Identity, InitialVolume, Mass, Position, ReferencePosition,
-    SCHEMA, Time, UNDEFORMED, Velocity, Volume,
+    Bond, Deformation, DriveIndex, ForceIndex, History, Identity, InitialVolume, Mass, Position,
+    ReferencePosition, SCHEMA, SurfaceArea, Time, UNDEFORMED, Velocity, Volume,
 };
 use tasks::recipes::{self, Givers};
 use tasks::rigid::state::RigidState;
@@ -25,7 +26,7 @@ use tasks::rigid::state::RigidState;
 /// # Errors
 /// Bodies that do not fit the level, or differ in resolution within a material.
 pub fn populate(scene: &Scene, warehouse: &mut Warehouse) -> Result<(), RunError> {
-    let mut identity = 0;
+    let (mut identity, surfaces) = (0, Surfaces::of(scene));
     for (index, body) in scene.bodies.iter().enumerate() {
         let first = scene.bodies.iter().find(|b| b.material == body.material);
         if first.is_some_and(|b| b.particles_per_cell != body.particles_per_cell) {
@@ -33,7 +34,7 @@ pub fn populate(scene: &Scene, warehouse: &mut Warehouse) -> Result<(), RunError
             return Err(RunError::Resolution { material });
         }
         if scene.materials[body.material].has_particles() {
-            add_body(scene, index, warehouse, &mut identity)?;
+            add_body(scene, &surfaces, index, warehouse, &mut identity)?;
         }
     }
     let clock = Clock { until: scene.run.until, ..bytemuck::Zeroable::zeroed() };
@@ -131,6 +132,7 @@ fn initial_history(behavior: &Behavior, reference: Reference) -> Vec<f64> {
 
 fn add_body(
     scene: &Scene,
+    surfaces: &Surfaces<'_>,
     index: usize,
     warehouse: &mut Warehouse,
     identity: &mut u64,
@@ -157,6 +159,7 @@ fn add_body(
         let history = initial_history(&material.behavior, reference);
         let drive =
             scene.drives.iter().position(|d| d.material == body.material && d.region.contains(index, x));
+        let force = surfaces.on(index, x)?;
         record.copy_from_slice(&inert);
         let mut set = |label: LabelId, numbers: &[f64]| {
             let width = layout.width(label);
@@ -171,6 +174,8 @@ fn add_body(
         set(Volume::ID, &[volume]);
         set(History::ID, &history);
         set(Bond::ID, &[1.0]);
+        set(ForceIndex::ID, &[force.map_or(0.0, |(number, _)| number as f64 + 1.0)]);
+        set(SurfaceArea::ID, &force.map_or([0.0; 3], |(_, area)| area));
         set(DriveIndex::ID, &[drive.map_or(0.0, |d| d as f64 + 1.0)]);
         set(Identity::ID, &[f64::from_bits(this)]);
         warehouse.insert(body.material, x, &record).map_err(outside)?;

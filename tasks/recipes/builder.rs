@@ -10,6 +10,9 @@ use crate::drives::{DriveMotion, Drives};
 use crate::fold::Fold;
 use crate::fold_surfaces::FoldSurfaces;
 use crate::fold_tools::FoldTools;
+use crate::force_power::ForcePower;
+use crate::force_scatter::ForceScatter;
+use crate::forces::{Forces, Pushes};
 use crate::images::Images;
 use crate::labels::{Reactions, SCHEMA};
 use crate::load_power::LoadPower;
@@ -33,7 +36,7 @@ use grid::Lattice;
 use physics::faces::FaceCondition;
 use physics::law::Law;
 use physics::materials::{AnyLaw, WithLaw};
-use scene::{Behavior, Leaving, Rates, RigidMotion as Motion, Scene, ShapeFunction};
+use scene::{Behavior, ForceKind, Leaving, Rates, RigidMotion as Motion, Scene, ShapeFunction};
 use shapes::gimp::Gimp;
 use shapes::linear::Linear;
 
@@ -225,6 +228,31 @@ impl<'a> Builder<'a> {
     pub(super) fn viscosity(&mut self, material: usize) {
         if let Some(law) = self.scene.run.viscosity {
             self.add(material, "run.viscosity", Viscosity { law, cell: self.scene.domain.cell });
+        }
+    }
+
+    /// What acts on particles of a material, if anything does.
+    fn forces(&self, material: usize) -> Option<Forces> {
+        let one = |it: &scene::Force| match it.kind.clone() {
+            ForceKind::Total(table) => Pushes::Total(table),
+            ForceKind::Traction(table) => Pushes::Traction(table),
+            ForceKind::Pressure(table) => Pushes::Pressure(table),
+            ForceKind::DeadPressure(table) => Pushes::DeadPressure(table),
+        };
+        let pushed = self.scene.forces.iter().any(|it| it.material == material);
+        pushed.then(|| Forces(self.scene.forces.iter().map(one).collect()))
+    }
+
+    pub(super) fn force_scatter(&mut self, material: usize) {
+        if let Some(forces) = self.forces(material) {
+            self.add(material, "force", ForceScatter { forces });
+        }
+    }
+
+    pub(super) fn force_power(&mut self, material: usize) {
+        if let Some(forces) = self.forces(material) {
+            let first = self.givers.tile(Giver::Force(0)).unwrap_or(0);
+            self.add(material, "force", ForcePower { forces, first });
         }
     }
 

@@ -43,6 +43,7 @@ pub fn tick(scene: &Scene) -> Recipe {
             Behavior::Rigid(_) => recipe.add(m, "material", RigidFlow),
         }
         recipe.add(m, "", Scatter);
+        recipe.force_scatter(m);
         recipe.drive_scatter(m);
         recipe.surfaces(m);
         recipe.fold(m);
@@ -73,6 +74,7 @@ pub fn tick(scene: &Scene) -> Recipe {
                 recipe.weights(m);
                 recipe.break_bond(m);
                 recipe.add(m, "", Gather);
+                recipe.force_power(m);
                 recipe.stress(m, law);
                 recipe.viscosity(m);
                 recipe.drive(m);

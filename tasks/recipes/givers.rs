@@ -9,6 +9,8 @@ pub enum Giver {
     Face(usize),
     /// Gravity and damping.
     Loads,
+    /// A force, by its index in the scene.
+    Force(usize),
     /// A drive, by its index in the scene.
     Drive(usize),
     /// A rigid material whose motion is prescribed: what holds it gives to the matter, through it.
@@ -21,12 +23,13 @@ pub enum Giver {
 const FACES: [&str; 6] = ["x-min", "x-max", "y-min", "y-max", "z-min", "z-max"];
 
 impl Giver {
-    /// Its name in files: `face.x-min`, `loads`, `drive.NAME`, `rigid.MATERIAL`, `contact.FIRST.SECOND`.
+    /// Its name in files: `face.x-min`, `loads`, `force.NAME`, `drive.NAME`, `rigid.MATERIAL`, `contact.FIRST.SECOND`.
     pub fn name(self, scene: &Scene) -> String {
         let material = |m: usize| &scene.materials[m].name;
         match self {
             Giver::Face(face) => format!("face.{}", FACES[face]),
             Giver::Loads => "loads".to_owned(),
+            Giver::Force(force) => format!("force.{}", scene.forces[force].name),
             Giver::Drive(drive) => format!("drive.{}", scene.drives[drive].name),
             Giver::Rigid(body) => format!("rigid.{}", material(body)),
             Giver::Contact(contact) => {
@@ -57,6 +60,7 @@ impl Givers {
             matches!(material.behavior, Behavior::Rigid(RigidMotion::Prescribed { .. }))
         });
         let all = faces.chain(scene.loads.acts().then_some(Giver::Loads));
+        let all = all.chain((0..scene.forces.len()).map(Giver::Force));
         let all = all.chain((0..scene.drives.len()).map(Giver::Drive));
         let all = all.chain(rigid.map(|(material, _)| Giver::Rigid(material)));
         Self(all.chain((0..scene.contacts.len()).map(Giver::Contact)).collect())
