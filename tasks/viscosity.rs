@@ -5,7 +5,7 @@ use engine::graph::task::{At, Body};
 use physics::viscosity::Viscosity as Law;
 use simd::Simd;
 
-/// τ ← τ − J q 1 in compression; the work goes to heat and is counted.
+/// τ ← τ − J q 1 in compression; the work goes to heat and is counted, and the step heeds that it stiffens.
 pub struct Viscosity {
     /// The law.
     pub law: Law,
@@ -15,8 +15,8 @@ pub struct Viscosity {
 
 engine::task! { Particles task Viscosity {
     requires old { mass: Mass, initial_volume: InitialVolume }
-    requires new { step: OwnStep, gradient: VelocityGradient, stiffness: StiffnessBound, volume: Volume }
-    modifies { stress: KirchhoffStress, work: ViscousWork }
+    requires new { step: OwnStep, gradient: VelocityGradient, volume: Volume }
+    modifies { stress: KirchhoffStress, work: ViscousWork, stiffness: StiffnessBound }
 }}
 
 impl Body for Viscosity {
@@ -25,7 +25,7 @@ impl Body for Viscosity {
         let (dt, cell) = (S::splat(io.step[0].size), S::splat(self.cell));
         let tiny = S::splat(f64::MIN_POSITIVE);
         let scalars = io.mass.iter().zip(io.initial_volume.iter()).zip(io.volume.iter());
-        let tiles = io.gradient.iter().zip(io.stiffness.iter()).zip(io.stress.iter_mut());
+        let tiles = io.gradient.iter().zip(io.stiffness.iter_mut()).zip(io.stress.iter_mut());
         for ((((m, v0), v), ((l, stiffness), tau)), work) in scalars.zip(tiles).zip(io.work.iter_mut()) {
             let (m, v0, v) = (S::load(m), S::load(v0), S::load(v));
             // lanes without a particle have no volume
@@ -39,6 +39,8 @@ impl Body for Viscosity {
                 (S::load(&tau[component]) - pressure).store(&mut tau[component]);
             }
             (pressure * rate).fnma(dt, S::load(work)).store(work);
+            let hurry = self.law.hurry(c, rate, cell);
+            (S::load(stiffness) * hurry * hurry).store(stiffness);
         }
     }
 }

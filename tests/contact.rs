@@ -156,11 +156,9 @@ fn every_node_keeps_its_momentum_whoever_meets_there() {
     for law in [Bonded::FOREVER.into(), friction(CRITERIA[0]), friction(CRITERIA[1]), friction(CRITERIA[2])] {
         for materials in [2, 3] {
             let pairs: &[[usize; 2]] = if materials == 2 { &[[0, 1]] } else { &[[0, 1], [0, 2], [1, 2]] };
+            let pair = |it: &[usize; 2]| FieldPair { between: it.map(FieldId::new), law, gap: 0.0, tile: 0 };
             let task = Contact {
-                pairs: pairs
-                    .iter()
-                    .map(|between| FieldPair { between: between.map(FieldId::new), law, gap: 0.0, tile: 0 })
-                    .collect(),
+                pairs: pairs.iter().map(pair).collect(),
                 lattice,
                 least_mass: 1e-14,
                 rigid: vec![false; materials],

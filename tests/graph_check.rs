@@ -161,6 +161,7 @@ fn shipped_scenes_are_clean() {
         "slab-rigid",
         "sliding-block",
         "taylor-rod",
+        "tension",
         "two-spheres",
     ] {
         for rates in ["common", "per-material"] {

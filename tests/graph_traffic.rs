@@ -8,7 +8,7 @@ use engine::exec::ranks::{Channel, Network, NetworkError, collective};
 use engine::graph::recipe::Why;
 use engine::graph::task::Domain;
 use engine::graph::traffic::{Between, LINE, Messages, names};
-use engine::schema::LabelId;
+use engine::schema::{Label, LabelId};
 use grid::{Level, around};
 use scene::Scene;
 use scene::sampling;
@@ -19,6 +19,7 @@ use sinew::simulation::Simulation;
 use sinew::simulation::layout::level;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Barrier, Mutex};
+use tasks::labels::{ContactSums, NodeMotion, NodeSums};
 use tasks::recipes;
 
 /// By material and block: the lowest and highest base node on each axis.
@@ -100,9 +101,7 @@ fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
         let named = |pairs: &Between, bytes: &dyn Fn(usize, usize, LabelId, usize) -> u64| -> Counted {
             let mut named = Counted::new();
             let keys = || {
-                shown
-                    .program
-                    .labels()
+                [NodeSums::ID, ContactSums::ID, NodeMotion::ID]
                     .into_iter()
                     .flat_map(|label| (0..shown.scene.materials.len()).map(move |m| (label, m)))
             };

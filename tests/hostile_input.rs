@@ -114,7 +114,12 @@ fn keys() {
     check("sphere", "spheer", "spheer", &["spheer", "did you mean `sphere`"]);
     check("until = \"1 ms\"", "", "[run]", &["`run.until` is missing", "End of the simulated time"]);
     check("law = \"rigid\"", "", "[material.hard]", &["`material.hard.law` is missing", "`neo-hookean`"]);
-    check("law = \"friction\"", "law = \"bonded\"", "friction = 0.1", &["unknown key `contact.0.friction`"]);
+    check(
+        "law = \"friction\"",
+        "law = \"bonded\"",
+        "friction = 0.1",
+        &["`contact.0.friction`", "without a strength"],
+    );
 }
 
 #[test]

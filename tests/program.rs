@@ -182,8 +182,16 @@ fn a_loop_that_waits_for_what_no_round_computes_is_found() {
 
 #[test]
 fn shipped_scenes_are_clean_between_rounds() {
-    for name in ["slab", "slab-150", "slab-quick", "slab-rigid", "sliding-block", "taylor-rod", "two-spheres"]
-    {
+    for name in [
+        "slab",
+        "slab-150",
+        "slab-quick",
+        "slab-rigid",
+        "sliding-block",
+        "taylor-rod",
+        "tension",
+        "two-spheres",
+    ] {
         for rates in ["common", "per-material"] {
             let scene = common::problem(name, &[("run.rates", rates)]);
             let (step, refusals) = plan::inspect(&scene, 1);

@@ -67,6 +67,9 @@ pub struct Summary {
     pub deleted_particles: u64,
     /// Particles whose volume turned negative and that the scene lets go on as failed.
     pub crushed_particles: u64,
+    /// What each face, drive, force, tool and contact has given, by its name in `history.csv`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub reactions: BTreeMap<String, Reaction>,
     /// By name of the material.
     pub materials: BTreeMap<String, MaterialSummary>,
     /// What else there is to say.
@@ -97,6 +100,17 @@ pub struct Energy {
     pub boundary_work: f64,
     /// What the balance does not explain: the error of the time step.
     pub residual: f64,
+}
+
+/// What something has given to the matter, or the first of two materials.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reaction {
+    /// Impulse [N s].
+    pub impulse_n_s: [f64; 3],
+    /// Torque impulse about the origin [N m s].
+    pub torque_impulse_n_m_s: [f64; 3],
+    /// Work [J]; 0 for contacts, whose losses are in `energy_j`.
+    pub work_j: f64,
 }
 
 /// Fractions of particles by kind of failure.

@@ -6,12 +6,14 @@ use engine::data::shared::Shared;
 use engine::data::warehouse::{MaterialData, Warehouse};
 use engine::exec::traveler::Traveler;
 use engine::schema::{Label, LabelId};
+use physics::contact::cross;
 use physics::law::{MAX_COUNTS, MAX_EVENTS, MAX_HISTORY};
-use scene::Scene;
+use scene::{Behavior, RigidMotion, Scene};
 use simd::Wide;
 use tasks::labels;
 use tasks::reactions::NUMBERS;
 use tasks::recipes::{Giver, Givers};
+use tasks::rigid::rotation;
 use tasks::rigid::state::RigidState;
 
 /// What the report graph computes.
@@ -347,7 +349,7 @@ impl Ledger {
         let state = || shared.get::<RigidState>(labels::RigidMotion::ID, material);
         let tool = scene.materials[material].is_tool().then(state);
         let blocks = warehouse.blocks().filter(|(m, _)| *m == material);
-        MaterialReport {
+        let report = MaterialReport {
             energies: Energies {
                 kinetic: energy[0],
                 strain: energy[1],
@@ -365,6 +367,30 @@ impl Ledger {
             counts: law.counts.iter().copied().zip(counts).collect(),
             particles: blocks.map(|(_, b)| b.count as u64).sum(),
             first: law.events.iter().copied().zip(first).collect(),
+        };
+        match &scene.materials[material].behavior {
+            Behavior::Rigid(RigidMotion::Free { .. }) => as_one(report, &state()),
+            _ => report,
         }
+    }
+}
+
+/// The report of a free rigid body: what it is as a whole, and not the sum of particles that are points.
+fn as_one(report: MaterialReport, body: &RigidState) -> MaterialReport {
+    let spin = rotation::momentum(body);
+    let square = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>();
+    let turning: f64 = (0..3).map(|a| body.angular[a] * spin[a]).sum();
+    let momentum = body.velocity.map(|v| body.mass * v);
+    let about = cross(body.center, momentum);
+    MaterialReport {
+        energies: Energies {
+            kinetic: 0.5 * (body.mass * square(body.velocity) + turning),
+            ..report.energies
+        },
+        mass: body.mass,
+        momentum,
+        center: body.center,
+        angular_momentum: [0, 1, 2].map(|a| about[a] + spin[a]),
+        ..report
     }
 }

@@ -191,20 +191,26 @@ fn start_rigid(scene: &Scene, warehouse: &mut Warehouse, material: usize) {
     let particles = || {
         bodies().flat_map(|body| {
             let m = scene.materials[material].density * sampling::particle_volume(scene, body);
-            sampling::sample(scene, body).map(move |x| (m, Vector3::from(x), Vector3::from(body.velocity)))
+            let edges = Vector3::from(body.particles_per_cell.map(|n| scene.domain.cell / n as f64));
+            let v = Vector3::from(body.velocity);
+            sampling::sample(scene, body).map(move |x| (m, Vector3::from(x), v, edges))
         })
     };
     let (mut mass, mut moment, mut momentum) = (0.0, Vector3::zeros(), Vector3::zeros());
     let mut second = Matrix3::zeros();
-    for (m, x, v) in particles() {
+    for (m, x, v, _) in particles() {
         mass += m;
         moment += m * x;
         momentum += m * v;
     }
     let center = moment / mass;
-    for (m, x, _) in particles() {
+    for (m, x, _, edges) in particles() {
         let r = x - center;
         second += m * (Matrix3::identity() * r.norm_squared() - r * r.transpose());
+        // of the particle itself, a box
+        let square = edges.component_mul(&edges);
+        let own = Vector3::new(square.y + square.z, square.z + square.x, square.x + square.y);
+        second += Matrix3::from_diagonal(&(m / 12.0 * own));
     }
     let (center, velocity, angular, free) = match motion {
         RigidMotion::Free { angular_velocity } => (center, (momentum / mass).into(), *angular_velocity, 1.0),

@@ -212,12 +212,7 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn rigid_motion(&mut self) {
-        let tiles = (0..self.scene.materials.len()).map(|m| self.givers.tile(Giver::Rigid(m)));
-        let task = RigidMotion {
-            field: self.load_field(),
-            tiles: tiles.collect(),
-            loads: self.givers.tile(Giver::Loads),
-        };
+        let task = RigidMotion { field: self.load_field(), loads: self.givers.tile(Giver::Loads) };
         self.all("material", task);
     }
 

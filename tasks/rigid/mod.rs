@@ -6,5 +6,6 @@ pub mod flow;
 pub mod follow;
 pub mod motion;
 pub mod plan;
+pub mod rotation;
 pub mod state;
 pub mod velocity;

@@ -46,7 +46,11 @@ impl Described for Bonded {
     type Built = Self;
     fn build(values: &Values) -> Result<Self, Refusal> {
         let [normal, shear] = ["normal-strength", "shear-strength"].map(|key| values.number(key));
-        Ok(Self { strength: Strength { normal, shear }, friction: values.number("friction") })
+        let (strength, friction) = (Strength { normal, shear }, values.number("friction"));
+        if friction > 0.0 && !strength.is_finite() {
+            return Err(("friction", "a bond without a strength never breaks, and so never rubs".into()));
+        }
+        Ok(Self { strength, friction })
     }
 }
 

@@ -1,7 +1,7 @@
 //! What `summary.json` says about a run.
 use crate::output;
-use crate::output::summary::{self, Energy, FirstFailure, MaterialSummary, Status, Summary};
-use crate::simulation::ledger::{FirstEvent, MaterialReport, Report};
+use crate::output::summary::{self, Energy, FirstFailure, MaterialSummary, Reaction, Status, Summary};
+use crate::simulation::ledger::{FirstEvent, GiverReport, MaterialReport, Report};
 use crate::simulation::{Simulation, failures};
 use engine::exec::ranks::{Network, collective};
 use std::collections::BTreeMap;
@@ -85,6 +85,7 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
         first_failure: first_events(&report, is_failure),
         deleted_particles: report.deleted,
         crushed_particles: failures::total(&report, "crushed"),
+        reactions: reactions(&report),
         materials: materials(simulation, &report),
         more: more.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
     })
@@ -123,6 +124,15 @@ fn counts(m: &MaterialReport) -> BTreeMap<String, serde_json::Value> {
     let counts: BTreeMap<_, _> = others.copied().collect();
     let all = (!counts.is_empty()).then(|| ("counts".to_owned(), serde_json::json!(counts)));
     all.into_iter().collect()
+}
+
+fn reactions(report: &Report) -> BTreeMap<String, Reaction> {
+    let one = |it: &GiverReport| Reaction {
+        impulse_n_s: it.impulse,
+        torque_impulse_n_m_s: it.torque_impulse,
+        work_j: it.work,
+    };
+    report.givers.iter().map(|it| (it.name.clone(), one(it))).collect()
 }
 
 /// The largest of what its law keeps, as far as that is a number.

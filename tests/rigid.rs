@@ -1,0 +1,120 @@
+//! Free rigid bodies that nothing touches.
+mod common;
+
+use common::{Overrides, scene, start};
+use engine::schema::Label;
+use nalgebra::{Matrix3, Vector3};
+use tasks::labels;
+use tasks::rigid::state::RigidState;
+
+/// A brick that turns about its middle axis, a little off.
+const BRICK: &str = r#"
+[domain]
+lower = [0, 0, 0]
+upper = ["24 mm", "24 mm", "24 mm"]
+cell = "1 mm"
+[material.brick]
+law = "rigid"
+motion = "free"
+density = 2000
+angular-velocity = [0.01, 100, 0.02]
+# something that limits the step, so that all steps are equal
+[material.jelly]
+law = "neo-hookean"
+density = 1000
+bulk-modulus = 600
+shear-modulus = 150
+[[body]]
+name = "jelly"
+material = "jelly"
+shape = { box = { lower = [0, 0, 0], upper = ["2 mm", "2 mm", "2 mm"] } }
+[[body]]
+name = "brick"
+material = "brick"
+shape = { box = { lower = ["6 mm", "8 mm", "10 mm"], upper = ["18 mm", "16 mm", "14 mm"] } }
+[run]
+until = 10
+cfl = 0.4
+steps = 1400
+"#;
+
+fn body(simulation: &sinew::simulation::Simulation) -> RigidState {
+    simulation.warehouse.shared.get(labels::RigidMotion::ID, 0)
+}
+
+/// ω in the body's frame after a time, by Euler's equations and fourth-order Runge and Kutta in small steps.
+fn spin(inertia: [f64; 3], start: [f64; 3], time: f64) -> [f64; 3] {
+    let rate = |w: [f64; 3]| -> [f64; 3] {
+        std::array::from_fn(|a| {
+            let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+            (inertia[b] - inertia[c]) * w[b] * w[c] / inertia[a]
+        })
+    };
+    let add = |a: [f64; 3], b: [f64; 3], s: f64| -> [f64; 3] { std::array::from_fn(|i| a[i] + s * b[i]) };
+    let steps = (time / 1e-5).ceil();
+    let (dt, mut w) = (time / steps, start);
+    for _ in 0..steps as usize {
+        let k1 = rate(w);
+        let k2 = rate(add(w, k1, 0.5 * dt));
+        let k3 = rate(add(w, k2, 0.5 * dt));
+        let k4 = rate(add(w, k3, dt));
+        w = std::array::from_fn(|i| w[i] + dt / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+    }
+    w
+}
+
+#[test]
+fn a_tumbling_brick_keeps_its_energy_and_flips_in_time() {
+    let mut simulation = start(scene(BRICK, &[]));
+    let before = body(&simulation);
+    // a brick of mass M: M/12 (b² + c²), exactly
+    let mass = 2000.0 * 12e-3 * 8e-3 * 4e-3;
+    let exact =
+        [(8e-3, 4e-3), (12e-3, 4e-3), (12e-3, 8e-3)].map(|(b, c): (f64, f64)| mass / 12.0 * (b * b + c * c));
+    for a in 0..3 {
+        assert!((before.inertia[4 * a] / exact[a] - 1.0).abs() < 1e-12);
+    }
+    let energy = |s: &RigidState| {
+        let r = Matrix3::from_row_slice(&s.rotation);
+        let w = r.transpose() * Vector3::from(s.angular);
+        0.5 * (0..3).map(|a| exact[a] * w[a] * w[a]).sum::<f64>()
+    };
+    let (first, mut worst, mut flips, mut last) = (energy(&before), 0.0f64, Vec::new(), 1.0);
+    while simulation.step().expect("steps") {
+        let now = body(&simulation);
+        worst = worst.max((energy(&now) / first - 1.0).abs());
+        let r = Matrix3::from_row_slice(&now.rotation);
+        let w = r.transpose() * Vector3::from(now.angular);
+        if w[1] * last < 0.0 {
+            flips.push(simulation.clock().time);
+            last = w[1];
+        }
+    }
+    let turned = simulation.clock().time * 100.0 / std::f64::consts::TAU;
+    println!("{turned:.1} turns, energy to {worst:.1e}, flips at {flips:.5?} s");
+    assert!(worst < 1e-4 && flips.len() >= 2);
+    for time in flips {
+        // just then the spin about the middle axis passes through zero
+        let [early, late] = [0.99, 1.01].map(|part| spin(exact, [0.01, 100.0, 0.02], part * time)[1]);
+        assert!(early * late < 0.0, "no flip near {time} s: {early} {late}");
+    }
+    let report = simulation.report().expect("one rank");
+    assert!((report.energy().kinetic / first - 1.0).abs() < 1e-4);
+    let l = report.materials[0].angular_momentum;
+    let wanted = [0, 1, 2].map(|a| exact[a] * [0.01, 100.0, 0.02][a]);
+    assert!(l.iter().zip(wanted).all(|(l, w)| (l - w).abs() < 1e-12 * wanted[1]), "{l:?} {wanted:?}");
+}
+
+#[test]
+fn damping_brakes_a_free_body_and_its_turn() {
+    let damped: Overrides<'_> =
+        &[("load.damping", "20"), ("body.brick.velocity", "[0.05, 0, 0]"), ("run.until", "0.05")];
+    let mut simulation = start(scene(BRICK, damped));
+    let before = simulation.report().expect("one rank").materials[0].clone();
+    common::finish(&mut simulation).expect("runs");
+    let after = body(&simulation);
+    let decay = f64::exp(-20.0 * 0.05);
+    assert!((after.velocity[0] / 0.05 - decay).abs() < 1e-12);
+    let l = simulation.report().expect("one rank").materials[0].angular_momentum[1];
+    assert!((l / before.angular_momentum[1] / decay - 1.0).abs() < 1e-9);
+}
