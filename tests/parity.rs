@@ -71,6 +71,22 @@ fn bodies_that_cross_corners_of_random_patches_keep_their_bits() {
     }
 }
 
+/// All that meets bodies from outside.
+#[test]
+fn what_holds_and_pushes_bodies_keeps_its_bits() {
+    let held = include_str!("scenes/held.toml");
+    for rates in ["common", "per-material"] {
+        for isa in instruction_sets() {
+            let report =
+                same(&scene(held, &[("run.rates", rates)]), &[([1; 3], 1), ([2; 3], 2), ([5, 3, 4], 3)], isa);
+            for it in &report.givers {
+                println!("{}: impulse {:?} N s, work {:.3e} J", it.name, it.impulse, it.work);
+                assert!(common::norm(it.impulse) > 0.0, "{} gives nothing", it.name);
+            }
+        }
+    }
+}
+
 #[test]
 fn materials_with_rates_of_their_own_keep_their_bits_too() {
     let own = ("run.rates", "per-material");

@@ -61,7 +61,8 @@ fn check(results: &[Result<(u64, Report), RunError>], wanted: &(u64, Report)) ->
                 .collect()
         };
         let sums = |r: &Report| {
-            (r.residual, r.deleted, r.deleted_energy, r.reflected, r.friction, r.impact, r.boundary_impulse)
+            let lost = (r.residual, r.deleted, r.deleted_energy, r.reflected, r.friction, r.impact);
+            (lost, r.givers.clone())
         };
         if numbers(report) != numbers(&wanted.1) || sums(report) != sums(&wanted.1) {
             return Err(format!("{report:?}\ninstead of\n{:?}", wanted.1));
@@ -129,6 +130,18 @@ fn layout() -> impl Strategy<Value = ([usize; 3], usize, usize, u64, [Vec<u32>; 
         };
         (Just(counts), Just(ranks), Just(threads), Just(step), [map(), map()])
     })
+}
+
+/// All that meets bodies from outside.
+#[test]
+fn what_holds_and_pushes_bodies_is_the_same_on_any_ranks() {
+    for rates in ["common", "per-material"] {
+        let scene = scene(include_str!("scenes/held.toml"), &[("run.rates", rates)]);
+        let wanted = alone(&scene);
+        for (patches, ranks, threads) in [([2, 1, 1], 2, 1), ([3, 2, 2], 4, 2)] {
+            same(&scene, patches, ranks, threads, &wanted);
+        }
+    }
 }
 
 #[test]

@@ -87,6 +87,12 @@ fn so_does_one_with_rates_of_their_own() {
 const CLOUD: &str = include_str!("../scenes/cloud.toml");
 
 #[test]
+fn so_does_one_with_all_that_holds_and_pushes() {
+    let held = scene(include_str!("../scenes/held.toml"), &[]);
+    goes_on(&held, &mut Random(9));
+}
+
+#[test]
 fn rigid_bodies_and_particles_that_left_are_remembered() {
     for rates in ["common", "per-material"] {
         let scene = scene(CLOUD, &[("run.rates", rates)]);
