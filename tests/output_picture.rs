@@ -18,7 +18,11 @@ fn scene() -> Scene {
     let rigid = |name: &str| Material {
         name: name.into(),
         density: 1000.0,
-        behavior: Behavior::Rigid(RigidMotion::Free { angular_velocity: [0.0; 3] }),
+        behavior: Behavior::Rigid(RigidMotion::Free {
+            angular_velocity: [0.0; 3],
+            locked: [false; 3],
+            locked_turns: [false; 3],
+        }),
     };
     let body = |material: usize| Body {
         name: "body".into(),

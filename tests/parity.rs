@@ -75,14 +75,14 @@ fn bodies_that_cross_corners_of_random_patches_keep_their_bits() {
 #[test]
 fn what_holds_and_pushes_bodies_keeps_its_bits() {
     let held = include_str!("scenes/held.toml");
-    for rates in ["common", "per-material"] {
-        for isa in instruction_sets() {
-            let report =
-                same(&scene(held, &[("run.rates", rates)]), &[([1; 3], 1), ([2; 3], 2), ([5, 3, 4], 3)], isa);
-            let gives = |it: &&sinew::simulation::GiverReport| common::norm(it.impulse) > 0.0;
-            let (giving, all) = (report.givers.iter().filter(gives).count(), report.givers.len());
-            assert!(giving + 1 >= all, "{giving} of {all} give something");
-        }
+    let layouts = [([1; 3], 1), ([2; 3], 2), ([5, 3, 4], 3)];
+    for (rates, isa) in
+        ["common", "per-material"].into_iter().zip(instruction_sets().into_iter().rev().cycle())
+    {
+        let report = same(&scene(held, &[("run.rates", rates)]), &layouts, isa);
+        let gives = |it: &&sinew::simulation::GiverReport| common::norm(it.impulse) > 0.0;
+        let (giving, all) = (report.givers.iter().filter(gives).count(), report.givers.len());
+        assert!(giving + 1 >= all, "{giving} of {all} give something");
     }
 }
 

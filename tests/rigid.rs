@@ -118,3 +118,27 @@ fn damping_brakes_a_free_body_and_its_turn() {
     let l = simulation.report().expect("one rank").materials[0].angular_momentum[1];
     assert!((l / before.angular_momentum[1] / decay - 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn a_locked_body_moves_and_turns_along_and_about_what_is_left() {
+    let locked: Overrides<'_> = &[
+        ("material.brick.locked", "xz"),
+        ("material.brick.locked-turns", "xy"),
+        ("material.brick.angular-velocity", "[3, 2, 40]"),
+        ("body.brick.velocity", "[0.3, 0.02, 0.1]"),
+        ("load.gravity", "[5, 1, 7]"),
+        ("run.until", "0.03"),
+    ];
+    let mut simulation = start(scene(BRICK, locked));
+    common::finish(&mut simulation).expect("runs");
+    let it = body(&simulation);
+    let velocity = [0.0, 0.02 + 0.03, 0.0];
+    assert!(
+        it.velocity.iter().zip(velocity).all(|(v, wanted)| (v - wanted).abs() < 1e-12),
+        "{:?}",
+        it.velocity
+    );
+    assert!(it.angular[0] == 0.0 && it.angular[1] == 0.0 && (it.angular[2] - 40.0).abs() < 1e-9);
+    let angle = it.rotation[3].atan2(it.rotation[0]);
+    assert!((angle - 40.0 * 0.03).abs() < 1e-9, "{angle}");
+}

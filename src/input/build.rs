@@ -106,6 +106,12 @@ fn rigid_motion(name: &str, given: &Node) -> Outcome<RigidMotion> {
     if given.get("motion").word() != "free" {
         let Motion { course, spin, .. } = motion(given)?;
         let center = given.find("center").map(Node::vector);
+        for key in ["locked", "locked-turns"] {
+            if given.get(key).word() != "none" {
+                let message = format!("`material.{name}.{key}` has no meaning for a prescribed motion");
+                return Err(Fault::new(given.get(key).place, message).help("its motion says where it goes"));
+            }
+        }
         return Ok(RigidMotion::Prescribed { course, spin, center, visible: given.get("visible").flag() });
     }
     for key in ["velocity", "displacement", "center"] {
@@ -116,7 +122,11 @@ fn rigid_motion(name: &str, given: &Node) -> Outcome<RigidMotion> {
         }
     }
     match &choose::in_time(spin).0[..] {
-        &[(_, angular_velocity)] => Ok(RigidMotion::Free { angular_velocity }),
+        &[(_, angular_velocity)] => {
+            let [locked, locked_turns] = ["locked", "locked-turns"]
+                .map(|key| ["x", "y", "z"].map(|axis| given.get(key).word().contains(axis)));
+            Ok(RigidMotion::Free { angular_velocity, locked, locked_turns })
+        }
         _ => Err(Fault::new(spin.place, format!("`material.{name}.angular-velocity` is given in time"))
             .help("a free body has one at the start: give one vector, or set `motion = \"prescribed\"`")),
     }

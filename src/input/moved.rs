@@ -32,6 +32,18 @@ pub(super) static RIGID_FIELDS: &[Field] = &[
         ZERO,
         "Angular velocity about the center: at the start (free), or in time (prescribed).",
     ),
+    Field::with_default(
+        "locked",
+        Form::Choice(LOCKED),
+        Absent::Word("none"),
+        "Axes along which a free body does not move.",
+    ),
+    Field::with_default(
+        "locked-turns",
+        Form::Choice(LOCKED),
+        Absent::Word("none"),
+        "Axes about which a free body does not turn.",
+    ),
     Field::optional(
         "center",
         POINT,
@@ -82,6 +94,9 @@ pub(super) static DRIVE: &[Field] = &[
 
 /// Words of `drive.components`.
 const COMPONENTS: &[&str] = &["x", "y", "z", "xy", "xz", "yz", "xyz"];
+
+/// Words of `locked` and `locked-turns`.
+const LOCKED: &[&str] = &["none", "x", "y", "z", "xy", "xz", "yz", "xyz"];
 
 /// Words of `force.side`: all, and those of `Force::sides` in their order.
 pub(super) const SIDES: &[&str] = &["all", "-x", "+x", "-y", "+y", "-z", "+z"];

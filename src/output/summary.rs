@@ -100,6 +100,9 @@ pub struct Energy {
     pub boundary_work: f64,
     /// What the balance does not explain: the error of the time step.
     pub residual: f64,
+    /// Turned over: the most that there was, and Σ |work| of what acts from outside.
+    #[serde(default)]
+    pub turnover: f64,
 }
 
 /// What something has given to the matter, or the first of two materials.

@@ -114,6 +114,10 @@ pub enum RigidMotion {
     Free {
         /// ω at the start [rad/s], about the center of mass.
         angular_velocity: [f64; 3],
+        /// Axes along which it does not move.
+        locked: [bool; 3],
+        /// Axes about which it does not turn.
+        locked_turns: [bool; 3],
     },
     /// It moves as prescribed, whatever meets it: a tool. It is its shape, and has no particles but to be seen.
     Prescribed {

@@ -152,6 +152,8 @@ pub struct Report {
     pub reflected: u64,
     /// What the accounts do not explain [J]: initial energy + boundary work − all energy now.
     pub residual: f64,
+    /// The energy turned over [J]: the most that there was, and Σ |work|.
+    pub turnover: f64,
 }
 
 impl Report {
@@ -176,7 +178,11 @@ pub struct Ledger {
     transfer: f64,
     /// What each giver has given: the numbers of its tile of `Reactions`.
     given: Vec<[f64; NUMBERS]>,
-    /// The same at the last row of the history, and when that was [s].
+    /// Σ |work| of what gives from outside, step by step [J].
+    turned: f64,
+    /// The most energy that there was at a report [J].
+    most: f64,
+    /// `given` at the last row of the history, and when that was [s].
     row: (f64, Vec<[f64; NUMBERS]>),
     deleted: u64,
     deleted_energy: f64,
@@ -191,6 +197,7 @@ impl Ledger {
         self.given = vec![[0.0; NUMBERS]; givers];
         self.row = (report.time, self.given.clone());
         self.initial_energy = report.energy().total();
+        self.most = self.initial_energy;
         self.first = vec![[None; MAX_EVENTS]; report.materials.len()];
     }
 
@@ -198,7 +205,7 @@ impl Ledger {
     pub fn numbers(&self) -> Vec<f64> {
         let mut numbers = vec![self.initial_energy, self.friction, self.impact, self.transfer];
         numbers.extend([f64::from_bits(self.deleted), self.deleted_energy, f64::from_bits(self.reflected)]);
-        numbers.push(self.row.0);
+        numbers.extend([self.row.0, self.turned, self.most]);
         numbers.extend(self.given.iter().chain(&self.row.1).flatten());
         for first in self.first.iter().flatten() {
             numbers.extend(first.map_or([f64::NAN; 5], |f| {
@@ -210,8 +217,10 @@ impl Ledger {
 
     /// From its numbers; `None` if they are not those of a ledger of so many materials and givers.
     pub fn from_numbers(numbers: &[f64], materials: usize, givers: usize) -> Option<Self> {
-        let (totals, rest) = numbers.split_first_chunk::<8>()?;
-        let [initial_energy, friction, impact, transfer, deleted, deleted_energy, reflected, row] = *totals;
+        let (totals, rest) = numbers.split_first_chunk::<10>()?;
+        let [initial_energy, friction, impact, transfer, deleted, deleted_energy, reflected, rest_of @ ..] =
+            *totals;
+        let [row, turned, most] = rest_of;
         let (given, events) = rest.split_at_checked(2 * givers * NUMBERS)?;
         let (given, at_row) = given.as_chunks::<NUMBERS>().0.split_at(givers);
         let first = |&[time, particle, x, y, z]: &[f64; 5]| {
@@ -227,6 +236,8 @@ impl Ledger {
             impact,
             transfer,
             given: given.to_vec(),
+            turned,
+            most,
             row: (row, at_row.to_vec()),
             deleted: deleted.to_bits(),
             deleted_energy,
@@ -243,7 +254,9 @@ impl Ledger {
         self.transfer += shared.get::<ExactSum>(labels::TransferLoss::ID, 0).value();
         let tiles: &[[ExactSum; NUMBERS]] = bytemuck::cast_slice(shared.column(labels::Reactions::ID));
         for (given, tile) in self.given.iter_mut().zip(tiles) {
+            let before = given[NUMBERS - 1];
             given.iter_mut().zip(tile).for_each(|(total, sum)| *total += sum.value());
+            self.turned += (given[NUMBERS - 1] - before).abs();
         }
         for (material, known) in self.first.iter_mut().enumerate() {
             let lines: [Wide; MAX_EVENTS] = shared.get(labels::FirstEvent::ID, material);
@@ -254,6 +267,11 @@ impl Ledger {
                 *known = Some(FirstEvent { time, particle: particle as u64, position: [x, y, z] });
             }
         }
+    }
+
+    /// Keeps the most energy that there was.
+    pub fn note(&mut self, report: &Report) {
+        self.most = self.most.max(report.energy().total());
     }
 
     /// A row of the history has been written: mean forces are taken from here on.
@@ -319,10 +337,12 @@ impl Ledger {
             deleted: self.deleted,
             reflected: self.reflected,
             residual: 0.0,
+            turnover: 0.0,
         };
         let lost = self.friction + self.impact + self.transfer + self.deleted_energy;
         let now = report.energy().total() + lost;
         report.residual = self.initial_energy + boundary_work - now;
+        report.turnover = self.most.max(report.energy().total()) + self.turned;
         report
     }
 

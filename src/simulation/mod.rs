@@ -283,6 +283,7 @@ impl Simulation {
         engine.execute(report_program, warehouse, &mut **network, &mut Reporting)?;
         let mut report = self.ledger.report(&self.scene, &self.warehouse, self.steps);
         together::count_particles(&mut *self.network, &mut report)?;
+        self.ledger.note(&report);
         Ok(report)
     }
 

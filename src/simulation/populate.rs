@@ -213,7 +213,12 @@ fn start_rigid(scene: &Scene, warehouse: &mut Warehouse, material: usize) {
         second += Matrix3::from_diagonal(&(m / 12.0 * own));
     }
     let (center, velocity, angular, free) = match motion {
-        RigidMotion::Free { angular_velocity } => (center, (momentum / mass).into(), *angular_velocity, 1.0),
+        RigidMotion::Free { angular_velocity, locked, locked_turns } => {
+            let held =
+                |v: [f64; 3], locked: &[bool; 3]| std::array::from_fn(|a| if locked[a] { 0.0 } else { v[a] });
+            let (v, w) = (held((momentum / mass).into(), locked), held(*angular_velocity, locked_turns));
+            (center, v, w, 1.0)
+        }
         // of a tool only its center counts: where it says, or that of what is in the domain
         RigidMotion::Prescribed { center: given, .. } => {
             let center = if mass > 0.0 { center } else { Vector3::zeros() };

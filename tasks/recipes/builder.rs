@@ -212,7 +212,15 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn rigid_motion(&mut self) {
-        let task = RigidMotion { field: self.load_field(), loads: self.givers.tile(Giver::Loads) };
+        let locked = self.scene.materials.iter().map(|m| match m.behavior {
+            Behavior::Rigid(Motion::Free { locked, locked_turns, .. }) => (locked, locked_turns),
+            _ => Default::default(),
+        });
+        let task = RigidMotion {
+            field: self.load_field(),
+            locked: locked.collect(),
+            loads: self.givers.tile(Giver::Loads),
+        };
         self.all("material", task);
     }
 

@@ -2,10 +2,9 @@ use crate::labels::RigidMotion as RigidMotionLabel;
 use crate::labels::{Reactions, RigidImpulse, Time};
 use crate::loads::LoadField;
 use crate::reactions::Reaction;
-use crate::rigid::rotation::{momentum, turn};
-use crate::rigid::state::RigidState;
+use crate::rigid::rotation::{momentum, turn, turn_by, turn_locked};
 use engine::graph::task::{At, Body};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use simd::Simd;
 
 /// Newton and Euler for rigid bodies: contact impulses and gravity change V and ω of those that are free; all move.
@@ -13,6 +12,8 @@ use simd::Simd;
 pub struct RigidMotion {
     /// Gravity and damping.
     pub field: LoadField,
+    /// For each material: the axes along which it does not move, and about which it does not turn.
+    pub locked: Vec<([bool; 3], [bool; 3])>,
     /// The tile of `Reactions` of gravity and damping.
     pub loads: Option<usize>,
 }
@@ -41,7 +42,12 @@ impl Body for RigidMotion {
                 let dv: [f64; 3] = std::array::from_fn(|a| faded * before[a] + worth * g[a]);
                 (0..3).for_each(|a| body.velocity[a] += dv[a]);
                 let l = (1.0 + faded) * (momentum(body) + torque);
-                turn(body, l, dt);
+                let (fixed, locked) = self.locked[material];
+                (0..3).filter(|&a| fixed[a]).for_each(|a| body.velocity[a] = 0.0);
+                match locked {
+                    [false, false, false] => turn(body, l, dt),
+                    _ => turn_locked(body, l, dt, locked),
+                }
                 let mean = std::array::from_fn(|a| 0.5 * (before[a] + body.velocity[a]));
                 let mut reaction = Reaction::default();
                 reaction.add(body.center, dv.map(|dv| body.mass * dv), mean);
@@ -52,11 +58,4 @@ impl Body for RigidMotion {
             (0..3).for_each(|a| body.center[a] += dt * body.velocity[a]);
         }
     }
-}
-
-/// R ← R e^(ω Δt): a prescribed body turns by what its angular velocity says.
-fn turn_by(body: &mut RigidState, dt: f64) {
-    let step = Matrix3::from_row_slice(&physics::motion::rotation(body.angular.map(|w| w * dt)));
-    let rotation = step * Matrix3::from_row_slice(&body.rotation);
-    body.rotation = std::array::from_fn(|n| rotation[(n / 3, n % 3)]);
 }

@@ -14,6 +14,27 @@ pub fn momentum(body: &RigidState) -> Vector3<f64> {
     inertia(body) * Vector3::from(body.angular)
 }
 
+/// Turns a body that is locked about some axes: ω_f = I_ff⁻¹ L_f about the free ones.
+pub fn turn_locked(body: &mut RigidState, l: Vector3<f64>, dt: f64, locked: [bool; 3]) {
+    let (mut tensor, mut l) = (inertia(body), l);
+    for a in (0..3).filter(|&a| locked[a]) {
+        tensor.row_mut(a).fill(0.0);
+        tensor.column_mut(a).fill(0.0);
+        (tensor[(a, a)], l[a]) = (1.0, 0.0);
+    }
+    if let Some(inverse) = tensor.try_inverse() {
+        body.angular = (inverse * l).into();
+    }
+    turn_by(body, dt);
+}
+
+/// R ← e^(ω Δt) R: turns a body by what its angular velocity says.
+pub fn turn_by(body: &mut RigidState, dt: f64) {
+    let step = Matrix3::from_row_slice(&physics::motion::rotation(body.angular.map(|w| w * dt)));
+    let rotation = step * Matrix3::from_row_slice(&body.rotation);
+    body.rotation = std::array::from_fn(|n| rotation[(n / 3, n % 3)]);
+}
+
 /// Turns the body for a time `dt` [s] with the angular momentum `l`, which stays.
 ///
 /// In the frame of the principal axes the energy is a sum of three terms, each of which turns the body about its axis by

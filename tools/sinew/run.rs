@@ -161,8 +161,16 @@ fn print_summary(summary: &Summary, folder: &Path) {
         summary.threads
     );
     println!(
-        "energy [J]     kinetic {:.4e}, strain {:.4e}, plastic {:.4e}, fracture {:.4e}, friction {:.4e}, impact {:.4e}, transfer {:.4e}, residual {:+.4e}",
-        e.kinetic, e.strain, e.plastic, e.fracture, e.friction, e.impact, e.transfer, e.residual
+        "energy [J]     kinetic {:.4e}, strain {:.4e}, plastic {:.4e}, fracture {:.4e}, friction {:.4e}, impact {:.4e}, transfer {:.4e}, residual {:+.4e} ({:+.2} % of what was turned over)",
+        e.kinetic,
+        e.strain,
+        e.plastic,
+        e.fracture,
+        e.friction,
+        e.impact,
+        e.transfer,
+        e.residual,
+        if e.turnover > 0.0 { 100.0 * e.residual / e.turnover } else { 0.0 }
     );
     for (name, material) in &summary.materials {
         let [x, y, z] = material.mean_velocity_m_s;

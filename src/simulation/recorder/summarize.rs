@@ -80,6 +80,7 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
             viscosity: energy.viscous,
             boundary_work: report.boundary_work,
             residual: report.residual,
+            turnover: report.turnover,
         },
         failed_fraction: failures::fractions(&failing),
         first_failure: first_events(&report, is_failure),
