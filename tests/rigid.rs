@@ -119,6 +119,23 @@ fn damping_brakes_a_free_body_and_its_turn() {
     assert!((l / before.angular_momentum[1] / decay - 1.0).abs() < 1e-9);
 }
 
+/// What a fall about the origin gains of angular momentum, its torque gives.
+#[test]
+fn torques_and_angular_momentum_add_up() {
+    let falling: Overrides<'_> = &[
+        ("load.gravity", "[[0, 1, 0, -9], [0.01, 3, 2, -9]]"),
+        ("body.brick.velocity", "[0.1, 0.2, 0.3]"),
+        ("run.until", "0.005"),
+    ];
+    let mut simulation = start(scene(BRICK, falling));
+    let before = simulation.report().expect("one rank").angular_momentum();
+    let report = common::finish(&mut simulation).expect("runs");
+    let size = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let gained = [0, 1, 2].map(|a| report.angular_momentum()[a] - before[a]);
+    println!("gained {:.3e}, lost {:.3e} N m s", size(gained), size(report.spin_lost));
+    assert!(size(report.spin_lost) < 1e-12 * size(gained));
+}
+
 #[test]
 fn a_locked_body_moves_and_turns_along_and_about_what_is_left() {
     let locked: Overrides<'_> = &[

@@ -17,6 +17,7 @@ const BYTES_PER_BLOCK: [f64; 2] = [16.0, 12.0];
 /// Checks what holds for the scene as a whole. `root` is the document, for places; `available`: bytes of memory, if known.
 pub(super) fn scene(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
     bodies(scene, root, available)?;
+    regions(scene, root)?;
     blocks(scene, root, available.map_or(f64::INFINITY, |bytes| bytes as f64))
 }
 
@@ -64,6 +65,27 @@ fn bodies(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
     for (i, body) in scene.bodies.iter().enumerate() {
         for other in &scene.bodies[..i] {
             apart(&scene.domain, other, body, &given.items()[i])?;
+        }
+    }
+    Ok(())
+}
+
+/// Drives and forces have particles to act on, and some matter is there at all.
+fn regions(scene: &Scene, root: &Node) -> Outcome<()> {
+    if !scene.bodies.iter().any(|body| scene.materials[body.material].has_particles()) {
+        return Err(Fault::new(root.get("body").place, "the scene has tools and no matter")
+            .help("add a body of a material that deforms, or of a free rigid one"));
+    }
+    let drives = scene.drives.iter().map(|it| (it.material, &it.region)).zip(root.get("drive").items());
+    let forces = scene.forces.iter().map(|it| (it.material, &it.region)).zip(root.get("force").items());
+    for ((material, region), node) in drives.chain(forces) {
+        let mut bodies = scene.bodies.iter().enumerate().filter(|(_, body)| body.material == material);
+        if !bodies.any(|(index, body)| sample(scene, body).any(|x| region.contains(index, x))) {
+            let place = node.find("region").or_else(|| node.find("body")).unwrap_or(node).place;
+            let message = format!("no particle of {:?} lies in this region", scene.materials[material].name);
+            return Err(
+                Fault::new(place, message).help("move or enlarge the region, or name another material")
+            );
         }
     }
     Ok(())

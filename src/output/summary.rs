@@ -57,6 +57,9 @@ pub struct Summary {
     pub momentum_kg_m_s: [f64; 3],
     /// Angular momentum about the origin [kg m²/s].
     pub angular_momentum_kg_m2_s: [f64; 3],
+    /// Angular momentum about the origin that the transfer between particles and nodes has taken [kg m²/s].
+    #[serde(default)]
+    pub angular_momentum_lost_in_transfer_kg_m2_s: [f64; 3],
     /// Energy by part [J].
     pub energy_j: Energy,
     /// Failed particles over particles.

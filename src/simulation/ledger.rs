@@ -152,11 +152,20 @@ pub struct Report {
     pub reflected: u64,
     /// What the accounts do not explain [J]: initial energy + boundary work − all energy now.
     pub residual: f64,
+    /// Angular momentum about the origin that the transfer between particles and nodes has taken so far [N m s]: what there was and what
+    /// all torques gave, without what there is.
+    pub spin_lost: [f64; 3],
     /// The energy turned over [J]: the most that there was, and Σ |work|.
     pub turnover: f64,
 }
 
 impl Report {
+    /// Angular momentum of all materials about the origin [N m s].
+    pub fn angular_momentum(&self) -> [f64; 3] {
+        let sum = |a: usize| self.materials.iter().map(|m| m.angular_momentum[a]).sum();
+        [0, 1, 2].map(sum)
+    }
+
     /// Energy of all materials [J].
     pub fn energy(&self) -> Energies {
         self.materials.iter().fold(Energies::default(), |a, m| Energies {
@@ -173,6 +182,8 @@ impl Report {
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
     initial_energy: f64,
+    /// About the origin [N m s].
+    initial_spin: [f64; 3],
     friction: f64,
     impact: f64,
     transfer: f64,
@@ -198,6 +209,7 @@ impl Ledger {
         self.row = (report.time, self.given.clone());
         self.initial_energy = report.energy().total();
         self.most = self.initial_energy;
+        self.initial_spin = report.angular_momentum();
         self.first = vec![[None; MAX_EVENTS]; report.materials.len()];
     }
 
@@ -206,6 +218,7 @@ impl Ledger {
         let mut numbers = vec![self.initial_energy, self.friction, self.impact, self.transfer];
         numbers.extend([f64::from_bits(self.deleted), self.deleted_energy, f64::from_bits(self.reflected)]);
         numbers.extend([self.row.0, self.turned, self.most]);
+        numbers.extend(self.initial_spin);
         numbers.extend(self.given.iter().chain(&self.row.1).flatten());
         for first in self.first.iter().flatten() {
             numbers.extend(first.map_or([f64::NAN; 5], |f| {
@@ -217,10 +230,10 @@ impl Ledger {
 
     /// From its numbers; `None` if they are not those of a ledger of so many materials and givers.
     pub fn from_numbers(numbers: &[f64], materials: usize, givers: usize) -> Option<Self> {
-        let (totals, rest) = numbers.split_first_chunk::<10>()?;
+        let (totals, rest) = numbers.split_first_chunk::<13>()?;
         let [initial_energy, friction, impact, transfer, deleted, deleted_energy, reflected, rest_of @ ..] =
             *totals;
-        let [row, turned, most] = rest_of;
+        let [row, turned, most, initial_spin @ ..] = rest_of;
         let (given, events) = rest.split_at_checked(2 * givers * NUMBERS)?;
         let (given, at_row) = given.as_chunks::<NUMBERS>().0.split_at(givers);
         let first = |&[time, particle, x, y, z]: &[f64; 5]| {
@@ -232,6 +245,7 @@ impl Ledger {
         let whole = left.is_empty() && more.is_empty() && events.len() == materials;
         whole.then(|| Self {
             initial_energy,
+            initial_spin,
             friction,
             impact,
             transfer,
@@ -337,11 +351,18 @@ impl Ledger {
             deleted: self.deleted,
             reflected: self.reflected,
             residual: 0.0,
+            spin_lost: [0.0; 3],
             turnover: 0.0,
         };
         let lost = self.friction + self.impact + self.transfer + self.deleted_energy;
         let now = report.energy().total() + lost;
         report.residual = self.initial_energy + boundary_work - now;
+        let given = |a: usize| {
+            let outside = report.givers.iter().filter(|it| it.giver.is_outside());
+            outside.map(|it| it.torque_impulse[a]).sum::<f64>()
+        };
+        let spin = report.angular_momentum();
+        report.spin_lost = [0, 1, 2].map(|a| self.initial_spin[a] + given(a) - spin[a]);
         report.turnover = self.most.max(report.energy().total()) + self.turned;
         report
     }

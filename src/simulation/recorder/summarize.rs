@@ -69,6 +69,7 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
         mass_kg: report.materials.iter().map(|m| m.mass).sum(),
         momentum_kg_m_s: total(|m| m.momentum),
         angular_momentum_kg_m2_s: total(|m| m.angular_momentum),
+        angular_momentum_lost_in_transfer_kg_m2_s: report.spin_lost,
         energy_j: Energy {
             kinetic: energy.kinetic,
             strain: energy.strain,
