@@ -1,8 +1,9 @@
-use super::scatter::{scatter_rows, to_rows};
+use super::contact_scatter::flow_to_rows;
+use super::scatter::scatter_rows;
 use crate::labels::{ContactFlow, ScatterRows, ToolSums, Weights};
 use bytemuck::cast_slice_mut;
 use engine::graph::task::{At, Body};
-use simd::{Simd, load};
+use simd::Simd;
 
 /// Adds the contact flows to the nodes near tools.
 pub struct ToolScatter;
@@ -16,11 +17,7 @@ engine::task! { NearParticles task ToolScatter {
 impl Body for ToolScatter {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let zero = S::splat(0.0);
-        for (flow, rows) in io.flow.iter().zip(io.rows.iter_mut()) {
-            let [m, mx, my, mz, v, b] = load(flow);
-            to_rows([m, mx, my, mz], [v, zero, zero, v, zero, v], b, rows);
-        }
+        flow_to_rows::<S>(&io.flow, &mut io.rows);
         scatter_rows::<S>(at, &io.weights, &io.rows, cast_slice_mut(&mut io.nodes));
     }
 }

@@ -1,5 +1,5 @@
 //! Failure, as history and summary have it: the states and events of these names, whichever law declares them.
-use super::ledger::{FirstEvent, MaterialReport, Report};
+use super::report::{FirstEvent, MaterialReport, Report};
 use crate::output::summary::Failed;
 
 /// States that count as failure: the matrix alone, the fibers alone, both, both by inversion. A particle is in one of them

@@ -12,13 +12,15 @@ mod meter;
 pub mod populate;
 pub mod rates;
 pub mod recorder;
+pub mod report;
 mod snapshot;
 mod surfaces;
 mod together;
 
 pub use balance::Balance;
 pub use fault::RunError;
-pub use ledger::{Energies, GiverReport, Ledger, MaterialReport, Report};
+pub use ledger::Ledger;
+pub use report::{Energies, GiverReport, MaterialReport, Report};
 pub use snapshot::Snapshot;
 
 use crate::output;

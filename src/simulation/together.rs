@@ -1,5 +1,5 @@
 //! Sums over ranks.
-use super::ledger::Report;
+use super::report::Report;
 use engine::exec::ranks::{Network, NetworkError, collective};
 
 /// Counts the particles of all ranks in a report, of which the rest is the same on all of them.

@@ -1,8 +1,8 @@
 //! Rows of `history.csv`.
 use crate::output::history::{Cell, Column};
 use crate::simulation::failures;
-use crate::simulation::ledger::{MaterialReport, Report};
 use crate::simulation::populate::declared;
+use crate::simulation::report::{MaterialReport, Report};
 use scene::Scene;
 use tasks::recipes::Givers;
 

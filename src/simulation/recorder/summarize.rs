@@ -1,7 +1,7 @@
 //! What `summary.json` says about a run.
 use crate::output;
 use crate::output::summary::{self, Energy, FirstFailure, MaterialSummary, Reaction, Status, Summary};
-use crate::simulation::ledger::{FirstEvent, GiverReport, MaterialReport, Report};
+use crate::simulation::report::{FirstEvent, GiverReport, MaterialReport, Report};
 use crate::simulation::{Simulation, failures};
 use engine::exec::ranks::{Network, collective};
 use std::collections::BTreeMap;
