@@ -95,6 +95,51 @@ cfl = 0.4
 steps = 300
 "#;
 
+/// A block that a ball presses and rubs, on a layer that a drive turns about z = 0, under pressure from its sides and a pull.
+const HELD: &str = r#"
+[domain]
+lower = LOWER
+upper = ["24 mm", "8 mm", "8 mm"]
+cell = "1 mm"
+[material.soft]
+law = "neo-hookean"
+density = 1000
+bulk-modulus = "0.3 MPa"
+shear-modulus = "0.1 MPa"
+[material.ball]
+law = "rigid"
+motion = "prescribed"
+density = 1000
+velocity = [-2, 0, 0]
+[[body]]
+name = "block"
+material = "soft"
+shape = { intersection = [{ box = { lower = ["2 mm", "-4.5 mm", "-3.5 mm"], upper = ["8.5 mm", "4.5 mm", "3.5 mm"] } }, { box = { lower = LOWER, upper = ["24 mm", "8 mm", "8 mm"] } }] }
+[[body]]
+name = "ball"
+material = "ball"
+shape = { sphere = { center = ["14.6 mm", 0, 0], radius = "5 mm" } }
+[[contact]]
+between = ["soft", "ball"]
+law = "friction"
+friction = 0.3
+[[drive]]
+material = "soft"
+region = { box = { lower = ["2 mm", "-9 mm", "-9 mm"], upper = ["4 mm", "9 mm", "9 mm"] } }
+velocity = [0.5, 0, 0]
+components = "x"
+[[force]]
+material = "soft"
+region = { box = { lower = ["4 mm", "-9 mm", "-9 mm"], upper = ["7 mm", "9 mm", "9 mm"] } }
+pressure = "2 kPa"
+[boundary]
+x-max = { plate = { friction = 0.1, velocity = [-1, 0, 0] } }
+[run]
+until = 1
+cfl = 0.4
+steps = 200
+"#;
+
 /// Where particles are now, by where they began [µm].
 fn places(begun: &Simulation, now: &Simulation) -> HashMap<[i64; 3], [f64; 3]> {
     let by_identity = |simulation: &Simulation| -> HashMap<u64, [f64; 3]> {
@@ -148,10 +193,12 @@ fn a_part_between_mirrors_moves_as_the_whole() {
     ];
     for variant in variants {
         for axes in [&[0][..], &[1, 2], &[0, 1, 2]] {
-            let models = [("bar", BAR, &[][..]), ("rod", BAR, ROD), ("balls", BALLS, &[])];
+            let models =
+                [("bar", BAR, &[][..]), ("rod", BAR, ROD), ("balls", BALLS, &[]), ("held", HELD, &[])];
             for (name, text, overrides) in models {
-                // the balls are two, of two materials
-                if text == BAR || !axes.contains(&0) {
+                // the balls are two, of two materials; hats are torn where the ball rubs
+                let torn = text == HELD && variant[0].0 == "run.shape";
+                if text == BAR || !axes.contains(&0) && !torn {
                     let apart = difference(text, &[variant, overrides].concat(), axes);
                     assert!(apart < 1e-9, "{name} {axes:?} {variant:?}: {apart} cells");
                 }
