@@ -1,8 +1,8 @@
 use crate::drives::Drives;
 use crate::images::Images;
 use crate::labels::{
-    DriveGift, DriveIndex, GridVelocity, Mass, OwnStep, Position, Reactions, Velocity, VelocityChange,
-    Weights,
+    DriveGift, DriveIndex, GridVelocity, Mass, OwnStep, Position, Reactions, TransferLoss, Velocity,
+    VelocityChange, Weights,
 };
 use crate::reactions::Reaction;
 use engine::graph::task::{At, Body};
@@ -25,7 +25,7 @@ pub struct Drive {
 engine::task! { Particles task Drive {
     requires old { index: DriveIndex, mass: Mass, position: Position, velocity: Velocity }
     requires new { step: OwnStep, weights: Weights, gift: DriveGift @ 3 }
-    computes { reactions: Reactions }
+    computes { reactions: Reactions, loss: TransferLoss }
     modifies { grid_velocity: GridVelocity, change: VelocityChange }
 }}
 
@@ -46,6 +46,8 @@ impl Body for Drive {
                 }
                 let mut reaction = Reaction::default();
                 reaction.add(x, given, mean);
+                // what particles take from the drive and not from nodes is no gain of the transfer
+                io.loss[0].add(reaction.work);
                 for (line, s, _) in io.weights[tile].nodes(lane, &at.origin) {
                     let node = at.origin.node_at(line);
                     let (image, signs) = self.images.within(node);

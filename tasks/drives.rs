@@ -17,11 +17,14 @@ pub struct DriveMotion {
     pub until: f64,
 }
 
+/// What moves a driven particle, and along which axes.
+pub type Driven = (Chord, [bool; 3]);
+
 /// What drives do in one step of a material: neighbors among particles mostly have the same.
 pub struct DriveStep<'a> {
     drives: &'a Drives,
     step: &'a MaterialStep,
-    last: Option<(f64, Option<(Chord, [bool; 3])>)>,
+    last: Option<(f64, Option<Driven>)>,
 }
 
 impl Drives {
@@ -32,8 +35,8 @@ impl Drives {
 }
 
 impl DriveStep<'_> {
-    /// What moves a particle with this `DriveIndex`, and along which axes; `None`: it is free.
-    pub fn of(&mut self, index: f64) -> Option<(Chord, [bool; 3])> {
+    /// What moves a particle with this `DriveIndex`; `None`: it is free.
+    pub fn of(&mut self, index: f64) -> Option<Driven> {
         if let Some((known, found)) = self.last
             && known == index
         {

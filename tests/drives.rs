@@ -124,8 +124,9 @@ fn a_wave_leaves_a_grip_with_its_impedance() {
     let before = simulation.report().expect("a report");
     let stress = stress(&simulation);
     let after = finish(&mut simulation).expect("runs");
-    let impulse =
-        |report: &Report| report.givers.iter().find(|it| it.name == "drive.right").unwrap().impulse[0];
+    let impulse = |report: &Report| {
+        report.givers.iter().find(|it| it.name == "drive.right").expect("the drive").impulse[0]
+    };
     assert_eq!(impulse(&before), impulse(&after), "who has let go gives nothing");
     // the left grip goes on to hold the stress, until the wave is there; damping takes its part
     let time = (1.0 - f64::exp(-2000.0 * 0.15e-3)) / 2000.0;
@@ -197,7 +198,8 @@ fn what_a_drive_turns_is_not_strained() {
     let who = numbers(&simulation, labels::Identity::ID);
     let mut apart = 0.0f64;
     for (x, id) in before.iter().zip(&identities) {
-        let now = who.iter().position(|other| other[0].to_bits() == id[0].to_bits()).unwrap();
+        let now =
+            who.iter().position(|other| other[0].to_bits() == id[0].to_bits()).expect("the same particles");
         let wanted = [1e-3 - x[1], x[0] - 1e-3, x[2]];
         apart = apart.max(norm([0, 1, 2].map(|a| after[now][a] - wanted[a])) / 1e-3);
     }

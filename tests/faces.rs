@@ -163,7 +163,8 @@ fn difference(text: &str, overrides: Overrides<'_>, axes: &[usize]) -> f64 {
         axes.iter().map(|&a| (["boundary.x-min", "boundary.y-min", "boundary.z-min"][a], "symmetric")),
     );
     if axes.contains(&0) {
-        let (from, to) = (half.find("[[body]]\nname = \"left\"").unwrap(), half.find("[run]").unwrap());
+        let (from, to) =
+            (half.find("[[body]]\nname = \"left\"").expect("a part"), half.find("[run]").expect("a part"));
         half.replace_range(from..to, "");
         cut.retain(|(key, _)| !key.starts_with("body.1."));
     }
@@ -249,7 +250,7 @@ fn deformed(face: &str, gradient: [f64; 3], component: usize, overrides: Overrid
     let all = all.zip(numbers(&simulation, labels::Identity::ID));
     let foot: Vec<f64> =
         all.filter(|(_, who)| of_foot.contains(&who[0].to_bits())).map(|(f, _)| f[component]).collect();
-    let of = |pick: fn(f64, f64) -> f64| foot.iter().copied().reduce(pick).unwrap();
+    let of = |pick: fn(f64, f64) -> f64| foot.iter().copied().reduce(pick).expect("layers");
     [of(f64::min), of(f64::max)]
 }
 

@@ -4,10 +4,15 @@ use scene::sampling;
 use sinew::input::{read, read_text};
 use std::path::Path;
 
-fn problems() -> impl Iterator<Item = std::path::PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems");
-    let entries = std::fs::read_dir(folder).expect("the folder of problems");
-    entries.map(|entry| entry.expect("an entry").path()).filter(|path| path.join("scene.toml").exists())
+/// Problems, and the scenes of tests.
+fn scenes() -> impl Iterator<Item = std::path::PathBuf> {
+    let entries = |folder: &str| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+        let entries = std::fs::read_dir(folder).expect("a folder of scenes");
+        entries.map(|entry| entry.expect("an entry").path())
+    };
+    let problems = entries("problems").filter(|path| path.join("scene.toml").exists());
+    problems.chain(entries("tests/scenes"))
 }
 
 /// A scene without where it was read from.
@@ -19,10 +24,10 @@ fn meaning(scene: &Scene) -> String {
 }
 
 #[test]
-fn problems_are_read_and_read_again_from_what_they_resolve_to() {
-    for path in problems() {
+fn scenes_are_read_and_read_again_from_what_they_resolve_to() {
+    for path in scenes() {
         let scene = read(&path, &[]).unwrap_or_else(|e| panic!("{:?}", miette::Report::new(e)));
-        assert_eq!(Some(scene.name.as_str()), path.file_name().and_then(|name| name.to_str()));
+        assert_eq!(Some(scene.name.as_str()), path.file_stem().and_then(|name| name.to_str()));
         let again = read_text("resolved", &scene.resolved, &[], None)
             .unwrap_or_else(|e| panic!("{:?}", miette::Report::new(e)));
         assert_eq!(meaning(&scene), meaning(&again));

@@ -13,7 +13,14 @@ pub(super) fn entry<'a, T>(entries: &'a [Entry<T>], name: &str) -> Option<&'a En
 /// What an entry makes of a completed table that has its parameters.
 pub(super) fn build<T>(entry: &Entry<T>, given: &Node, path: &str) -> Outcome<T> {
     let mut values = Values::default();
-    entry.parameters.iter().for_each(|parameter| take(&mut values, parameter, given.get(parameter.key)));
+    for parameter in entry.parameters {
+        match (given.find(parameter.key), parameter.kind) {
+            (None, Kind::Number { default: Some(number), .. }) => {
+                values.numbers.insert(parameter.key, number);
+            }
+            _ => take(&mut values, parameter, given.get(parameter.key)),
+        }
+    }
     finish(entry, &values, given, path)
 }
 

@@ -157,7 +157,12 @@ impl From<&Parameter> for Field {
         let (form, absent) = match parameter.kind {
             Kind::Number { dimension, least, open_below, most, default } => (
                 Form::Number(Range { dimension, least, open_below, most }),
-                default.map_or(Absent::Refused, Absent::Number),
+                // what has no end is not written: scenes leave it out
+                match default {
+                    None => Absent::Refused,
+                    Some(number) if number.is_infinite() => Absent::Nothing,
+                    Some(number) => Absent::Number(number),
+                },
             ),
             Kind::Choice(words) => {
                 (Form::Choice(words), words.first().map_or(Absent::Refused, |word| Absent::Word(word)))

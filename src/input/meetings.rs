@@ -184,6 +184,19 @@ fn force(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> 
             return Err(Fault::new(given.place, message).help("give just one of them"));
         }
     };
+    let meaningless = |key: &str, what: &str| {
+        let message = format!("`{key}` has no meaning for {what}");
+        Err(Fault::new(given.get(key).place, message).help("leave it out"))
+    };
+    match &kind {
+        ForceKind::Total(_) if given.get("side").word() != SIDES[0] => {
+            return meaningless("side", "a total, which acts on all particles of its region");
+        }
+        ForceKind::Total(_) | ForceKind::Traction(_) if !given.get("follows").flag() => {
+            return meaningless("follows", "a force that keeps its direction in any case");
+        }
+        _ => {}
+    }
     let side = SIDES.iter().position(|side| *side == given.get("side").word()).unwrap_or(0);
     Ok(Force {
         name: given.find("name").map_or_else(|| number.to_string(), |name| name.word().to_owned()),

@@ -24,7 +24,7 @@ pub(super) static RIGID_FIELDS: &[Field] = &[
     Field::optional(
         "displacement",
         Form::InTime(Length),
-        "Displacement of the center in time, instead of a velocity (prescribed motion only).",
+        "Displacement of the center in time, instead of a velocity (prescribed motion only): from where it is at the start.",
     ),
     Field::with_default(
         "angular-velocity",
@@ -74,7 +74,7 @@ pub(super) static DRIVE: &[Field] = &[
     Field::optional(
         "displacement",
         Form::InTime(Length),
-        "Displacement of the center in time, instead of a velocity.",
+        "Displacement of the center in time, instead of a velocity: from where it is at the start.",
     ),
     Field::with_default(
         "angular-velocity",

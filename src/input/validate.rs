@@ -62,6 +62,13 @@ fn bodies(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
         in_domain(&scene.domain, body, node, most)?;
         particles += counted(scene, body, node, particles, most)?;
     }
+    for (m, material) in scene.materials.iter().enumerate() {
+        if matches!(material.behavior, Behavior::Rigid(_)) && scene.bodies_of(m).next().is_none() {
+            let place = root.get("material").entries()[m].place;
+            let message = format!("the rigid material {:?} has no body", material.name);
+            return Err(Fault::new(place, message).help("add a [[body]] of it, or remove it"));
+        }
+    }
     for (i, body) in scene.bodies.iter().enumerate() {
         for other in &scene.bodies[..i] {
             apart(&scene.domain, other, body, &given.items()[i])?;

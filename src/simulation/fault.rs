@@ -47,6 +47,14 @@ pub enum RunError {
         /// The material.
         material: String,
     },
+    /// Two drives of one particle.
+    #[error("the drives {} and {} both hold the particle at {position:?} m: let their regions not overlap; one drive may have a table of its motion", names[0], names[1])]
+    TwoDrives {
+        /// Their names.
+        names: [String; 2],
+        /// Where the particle is [m].
+        position: [f64; 3],
+    },
     /// Two forces on one particle.
     #[error("the forces {} and {} both act on the particle at {position:?} m: let their regions, or sides, not overlap", names[0], names[1])]
     TwoForces {

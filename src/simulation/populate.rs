@@ -157,8 +157,14 @@ fn add_body(
         }
         let reference = Reference { fiber: sampling::fiber_at(&body.fibers, x), stretch: body.stretch };
         let history = initial_history(&material.behavior, reference);
-        let drive =
-            scene.drives.iter().position(|d| d.material == body.material && d.region.contains(index, x));
+        let holds = |d: &scene::Drive| d.material == body.material && d.region.contains(index, x);
+        let drive = scene.drives.iter().position(holds);
+        if let Some(first) = drive
+            && let Some(other) = scene.drives[first + 1..].iter().find(|d| holds(d))
+        {
+            let names = [scene.drives[first].name.clone(), other.name.clone()];
+            return Err(RunError::TwoDrives { names, position: x });
+        }
         let force = surfaces.on(index, x)?;
         record.copy_from_slice(&inert);
         let mut set = |label: LabelId, numbers: &[f64]| {
@@ -221,7 +227,8 @@ fn start_rigid(scene: &Scene, warehouse: &mut Warehouse, material: usize) {
         }
         // of a tool only its center counts: where it says, or that of what is in the domain
         RigidMotion::Prescribed { center: given, .. } => {
-            let center = if mass > 0.0 { center } else { Vector3::zeros() };
+            let within = mass > 0.0;
+            let center = if within { center } else { recipes::middle(&scene.shape(material)).into() };
             (given.map_or(center, Vector3::from), [0.0; 3], [0.0; 3], 0.0)
         }
     };

@@ -13,4 +13,4 @@ pub use explicit::{step, tick, timestep_size};
 pub use givers::{Giver, Givers};
 pub use report::report;
 pub use start::start;
-pub use tools::tools;
+pub use tools::{middle, tools};

@@ -9,7 +9,7 @@ use scene::{Behavior, Scene};
 /// Sums over the particles of each material.
 pub fn report(scene: &Scene) -> Recipe {
     let mut recipe = Builder::new(scene);
-    for (m, material) in scene.materials.iter().enumerate().filter(|(_, m)| m.has_particles()) {
+    for (m, material) in scene.materials.iter().enumerate().filter(|(_, m)| !m.is_tool()) {
         recipe.add(m, "output.history-every", ReportMotion);
         if let Behavior::Deformable(law) = &material.behavior {
             law.visit(AddReport(&mut recipe, m));

@@ -99,7 +99,7 @@ pub fn movers(scene: &Scene) -> Vec<Mover> {
 }
 
 /// The middle of the box around a shape; the origin, if it has no end.
-fn middle(shape: &Solid) -> [f64; 3] {
+pub fn middle(shape: &Solid) -> [f64; 3] {
     let (lower, upper) = shape.bounds();
     let middle: [f64; 3] = std::array::from_fn(|a| 0.5 * (lower[a] + upper[a]));
     if shape.is_bounded() { middle } else { [0.0; 3] }

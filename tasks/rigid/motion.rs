@@ -41,7 +41,8 @@ impl Body for RigidMotion {
                 let faded = (-self.field.damping * dt).exp_m1();
                 let dv: [f64; 3] = std::array::from_fn(|a| faded * before[a] + worth * g[a]);
                 (0..3).for_each(|a| body.velocity[a] += dv[a]);
-                let l = (1.0 + faded) * (momentum(body) + torque);
+                let whole = momentum(body) + torque;
+                let l = (1.0 + faded) * whole;
                 let (fixed, locked) = self.locked[material];
                 (0..3).filter(|&a| fixed[a]).for_each(|a| body.velocity[a] = 0.0);
                 match locked {
@@ -51,6 +52,11 @@ impl Body for RigidMotion {
                 let mean = std::array::from_fn(|a| 0.5 * (before[a] + body.velocity[a]));
                 let mut reaction = Reaction::default();
                 reaction.add(body.center, dv.map(|dv| body.mass * dv), mean);
+                for a in 0..3 {
+                    // ω is in proportion to L: its mean, from what the damping has left
+                    reaction.torque[a] += faded * whole[a];
+                    reaction.work += faded * whole[a] * body.angular[a] * (1.0 + 0.5 * faded) / (1.0 + faded);
+                }
                 if let Some(tile) = self.loads {
                     reaction.store(&mut io.reactions[tile]);
                 }

@@ -22,12 +22,13 @@ pub fn fuse(graph: &Graph, recipe: &Recipe, patches: usize) -> (Vec<Phase>, Vec<
         let declared = graph[node].declaration.domain;
         let domain = if over_particles(declared) { Domain::Particles } else { declared };
         let joins = stages.last().is_some_and(|s| {
+            let moves = s.touches(recipe.schema.roles.extent, Mode::writes);
             domain != Domain::Once
                 && (s.domain, s.material) == (domain, material)
                 && !needs_all_blocks(graph, node, s)
                 && !out_of_order(&graph[node], s, graph)
                 && !reads_and_reduces(&s.touched, graph[node].declaration.access)
-                && !(s.touches(recipe.schema.roles.extent, Mode::writes) && at_nodes(&graph[node]))
+                && (!moves || !at_nodes(&graph[node]))
         });
         if !joins {
             stages.push(Stage::new(domain, material));
