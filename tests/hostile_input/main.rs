@@ -1,4 +1,6 @@
 //! Every wrong scene is refused with an error that says what is wrong and points at the line.
+mod borders;
+
 use sinew::input::read_text;
 
 const GOOD: &str = r#"title = "two blocks"
@@ -259,7 +261,9 @@ fn materials_and_contacts() {
 #[test]
 fn materials_that_frames_cannot_tell_apart() {
     let more = |count: usize| {
-        let material = |i: usize| format!("m{i} = {{ law = \"rigid\", density = 1, motion = \"free\" }}\n");
+        let material = |i: usize| {
+            format!("m{i} = {{ law = \"neo-hookean\", density = 1, bulk-modulus = 1, shear-modulus = 1 }}\n")
+        };
         let more: String = (2..count).map(material).collect();
         GOOD.replace("[material.soft]", &format!("[material]\n{more}[material.soft]"))
     };
@@ -373,45 +377,4 @@ fn overrides() {
 fn files() {
     let error = sinew::input::read(std::path::Path::new("no/such/scene"), &[]).expect_err("there is no file");
     assert!(error.to_string().contains("no/such/scene"));
-}
-
-/// What would do nothing, or two things at once, is refused.
-#[test]
-fn what_holds_and_pushes() {
-    let add = |text: &str| GOOD.replace("[run]", &format!("{text}\n[run]"));
-    for (text, facts) in [
-        ("[[drive]]\nmaterial = \"hard\"", &["is rigid", "prescribed"][..]),
-        ("[[drive]]\nmaterial = \"soft\"\nbody = \"blok\"", &["no body \"blok\"", "did you mean `block`"]),
-        ("[[drive]]\nmaterial = \"soft\"\nbody = \"tool\"", &["made of \"hard\""]),
-        (
-            "[[drive]]\nmaterial = \"soft\"\nregion = { sphere = { center = [1, 1, 1], radius = 0.01 } }",
-            &["no particle of \"soft\"", "region"],
-        ),
-        (
-            "[[drive]]\nmaterial = \"soft\"\nvelocity = [0, 0, 0]\ndisplacement = [0, 0, 0]",
-            &["both `velocity` and `displacement`"],
-        ),
-        ("[[drive]]\nmaterial = \"soft\"\ncomponents = \"zx\"", &["components", "did you mean `x"]),
-        ("[[force]]\nmaterial = \"soft\"", &["one of `total`, `traction` and `pressure`"]),
-        ("[[force]]\nmaterial = \"soft\"\npressure = \"1 N\"", &["is a stress", "a force"]),
-        ("[[force]]\nmaterial = \"soft\"\npressure = [[0, 1, 2]]", &["a row [time, number]"]),
-        ("[[force]]\nmaterial = \"hard\"\ntotal = [1, 0, 0]", &["is rigid"]),
-        ("[load]\nlocal-damping = 1", &["load.local-damping", "at most 0.95"]),
-    ] {
-        let (error, _) = refused(&add(text), &[]);
-        assert!(facts.iter().all(|fact| error.contains(fact)), "{text}: {error}");
-    }
-    let tool = GOOD
-        .replace("motion = \"free\"", "motion = \"prescribed\"")
-        .replace("velocity = [\"-1 m/s\", 0, 0]\n", "");
-    let only = tool
-        .replace("material = \"soft\"", "material = \"hard\"")
-        .replace("fibers = { uniform = [0, 2, 0] }\n", "");
-    let (error, _) = refused(&only, &[]);
-    assert!(error.contains("tools and no matter"), "{error}");
-    let turning = tool
-        .replace("radius = \"15 mm\"", "radius = \"1 m\"")
-        .replace("motion = ", "angular-velocity = [0, 0, 1]\nmotion = ");
-    let (error, _) = refused(&turning, &[]);
-    assert!(error.contains("about what does it turn"), "{error}");
 }
