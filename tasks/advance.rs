@@ -18,7 +18,8 @@ pub struct Advance {
 
 engine::task! { Particles task Advance {
     requires old { mass: Mass }
-    requires new { step: OwnStep, grid_velocity: GridVelocity, change: VelocityChange }
+    requires new { grid_velocity: GridVelocity, change: VelocityChange }
+    requires now { step: OwnStep }
     computes { extent: BlockExtent, loss: TransferLoss }
     modifies { position: Position, velocity: Velocity }
 }}

@@ -1,4 +1,4 @@
-use crate::labels::{NodeMotion, NodeSums, Reactions, Time};
+use crate::labels::{NodeMotion, OwnStep, Reactions, Time};
 use crate::reactions::Reaction;
 use engine::graph::task::{At, Body};
 use grid::{BLOCK, Lattice, NODES};
@@ -15,12 +15,10 @@ pub struct Boundary {
     pub lattice: Lattice,
     /// Cells of the level along each axis.
     pub cells: [usize; 3],
-    /// Which materials are rigid: faces do not hold them.
-    pub rigid: Vec<bool>,
 }
 
 engine::task! { Nodes task Boundary {
-    requires new { time: Time, sums: NodeSums }
+    requires now { time: Time, step: OwnStep }
     computes { reactions: Reactions }
     modifies { motion: NodeMotion }
 }}
@@ -43,14 +41,14 @@ impl Body for Boundary {
         let time = io.time[0].time + io.time[0].tick;
         for face in (0..6).filter(reached) {
             let mut reaction = Reaction::default();
-            let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
-            for ((sums, motions), _) in fields.filter(|(_, f)| f.ends && !self.rigid[f.material]) {
-                for (n, (sum, motion)) in sums.iter().zip(motions).enumerate() {
+            let fields = io.motion.chunks_exact_mut(NODES).zip(at.fields);
+            for (motions, _) in fields.filter(|(_, field)| field.ends) {
+                for (n, motion) in motions.iter_mut().enumerate() {
                     let node = at.node_of(n);
                     if self.holds(face, node) {
                         let dv = self.faces[face].correction(face / 2, time, motion.velocity());
                         motion.add(dv);
-                        let impulse = dv.map(|dv| sum.mass() * dv);
+                        let impulse = dv.map(|dv| motion.mass() * dv);
                         reaction.add(self.lattice.position(node), impulse, motion.mean());
                     }
                 }

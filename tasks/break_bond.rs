@@ -6,7 +6,8 @@ use simd::Simd;
 pub struct BreakBond;
 
 engine::task! { NearParticles task BreakBond {
-    requires new { weights: Weights, broken: ContactImpulse @ 3 }
+    requires new { weights: Weights }
+    requires now { broken: ContactImpulse @ 3 }
     modifies { bond: Bond }
 }}
 

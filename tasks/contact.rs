@@ -1,7 +1,6 @@
 use crate::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, Reactions};
 use crate::node::{Impulse, Motion, Sums, Surface};
 use crate::reactions::{NUMBERS, Reaction};
-use crate::rigid::state::RigidState;
 use engine::data::exact_sum::ExactSum;
 use engine::data::fields::FieldId;
 use engine::graph::task::{At, Body};
@@ -19,8 +18,6 @@ pub struct Contact {
     pub lattice: Lattice,
     /// Mass below which a node carries nothing [kg].
     pub least_mass: f64,
-    /// Which materials are rigid.
-    pub rigid: Vec<bool>,
     /// Where surfaces lie, for each material.
     pub surfaces: Vec<SurfaceTable>,
     /// Whether it meets the interpolated velocities, before forces act.
@@ -49,14 +46,13 @@ engine::task! { Nodes task Contact {
 impl Body for Contact {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let (bodies, on_bodies) = (&[][..], &mut [][..]);
         let Io { sums, surfaces, motion, impulse, reactions } = &mut io;
-        let mut meeting = Meeting { sums, surfaces, motion, impulse, reactions, bodies, on_bodies };
+        let mut meeting = Meeting { sums, surfaces, motion, impulse, reactions };
         self.exchange_all(at, &mut meeting);
     }
 }
 
-/// What meets at the nodes of a block, and the rigid bodies among it.
+/// What meets at the nodes of a block.
 pub struct Meeting<'a> {
     /// `NodeSums`
     pub sums: &'a [Sums],
@@ -68,10 +64,6 @@ pub struct Meeting<'a> {
     pub impulse: &'a mut [Impulse],
     /// `Reactions`
     pub reactions: &'a mut [[ExactSum; NUMBERS]],
-    /// `RigidMotion`; empty where no material is rigid.
-    pub bodies: &'a [RigidState],
-    /// `RigidImpulse`; empty where no material is rigid.
-    pub on_bodies: &'a mut [[ExactSum; 6]],
 }
 
 /// One material at one node.
@@ -104,7 +96,7 @@ impl Contact {
             let materials = [at.fields[a].material, at.fields[b].material];
             let elapsed = [at.fields[a].elapsed, at.fields[b].elapsed];
             let begin = at.fields[a].begins && at.fields[b].begins;
-            let (mut pushed, mut reaction) = ([[0.0; 6]; 2], Reaction::default());
+            let mut reaction = Reaction::default();
             for n in 0..NODES {
                 let lines = [NODES * a + n, NODES * b + n];
                 if lines.iter().any(|&line| io.sums[line].mass() <= self.least_mass) {
@@ -143,18 +135,10 @@ impl Contact {
                 for (i, sign) in [(0, 1.0), (1, -1.0)] {
                     let impulse = std::array::from_fn(|a| sign * (exchange.normal[a] + exchange.friction[a]));
                     io.impulse[lines[i]].add(sign, exchange.normal, exchange.friction);
-                    if self.rigid[materials[i]] {
-                        push(&mut pushed[i], impulse, node, &io.bodies[materials[i]]);
-                    } else {
-                        io.motion[lines[i]].add(impulse.map(|p| p / masses[i]));
-                    }
+                    io.motion[lines[i]].add(impulse.map(|p| p / masses[i]));
                 }
             }
             reaction.store(&mut io.reactions[pair.tile]);
-            for (i, pushed) in pushed.iter().enumerate().filter(|(i, _)| self.rigid[materials[*i]]) {
-                let sums: &mut [ExactSum; 6] = &mut io.on_bodies[materials[i]];
-                sums.iter_mut().zip(pushed).for_each(|(sum, &x)| sum.add(x));
-            }
         }
     }
 
@@ -174,7 +158,6 @@ impl Contact {
             if bond.is_some() { direction.unwrap_or(([0.0, 0.0, 1.0], 0.0)) } else { direction? };
         let masses = [a.sums.mass(), b.sums.mass()];
         let relative = std::array::from_fn(|i| a.velocity[i] - b.velocity[i]);
-        // a free rigid body meets others as a deformable one does
         let reduced_mass = masses[0] * masses[1] / (masses[0] + masses[1]);
         // the internal force of a uniformly stressed surface is −σ Σ V ∇S
         let traction = (dot(b.sums.force(), normal) - dot(a.sums.force(), normal)) / area;
@@ -260,14 +243,4 @@ impl Past<'_> {
 fn unit(g: [f64; 3], least: f64) -> [f64; 3] {
     let length = dot(g, g).sqrt();
     if length > least { g.map(|x| x / length) } else { [0.0; 3] }
-}
-
-/// Adds an impulse at a node to what a rigid body receives: impulse, torque about its center.
-fn push(sums: &mut [f64; 6], impulse: [f64; 3], node: [f64; 3], body: &RigidState) {
-    let r: [f64; 3] = std::array::from_fn(|a| node[a] - body.center[a]);
-    for a in 0..3 {
-        let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-        sums[a] += impulse[a];
-        sums[3 + a] += r[b] * impulse[c] - r[c] * impulse[b];
-    }
 }

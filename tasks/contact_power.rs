@@ -12,7 +12,7 @@ use simd::Simd;
 pub struct ContactPower;
 
 engine::task! { Nodes task ContactPower {
-    requires new { impulse: ContactImpulse, motion: NodeMotion }
+    requires now { impulse: ContactImpulse, motion: NodeMotion }
     computes { work: ContactWork }
 }}
 

@@ -1,4 +1,4 @@
-use crate::drives::Drives;
+use crate::drives::{Driven, Drives};
 use crate::images::Images;
 use crate::labels::{
     DriveGift, DriveIndex, GridVelocity, Mass, OwnStep, Position, Reactions, TransferLoss, Velocity,
@@ -24,7 +24,8 @@ pub struct Drive {
 
 engine::task! { Particles task Drive {
     requires old { index: DriveIndex, mass: Mass, position: Position, velocity: Velocity }
-    requires new { step: OwnStep, weights: Weights, gift: DriveGift @ 3 }
+    requires new { weights: Weights, gift: DriveGift @ 3 }
+    requires now { step: OwnStep }
     computes { reactions: Reactions, loss: TransferLoss }
     modifies { grid_velocity: GridVelocity, change: VelocityChange }
 }}
@@ -35,7 +36,7 @@ impl Body for Drive {
         let mut drives = self.drives.during(&io.step[0]);
         for (tile, index) in io.index.iter().enumerate() {
             for lane in (0..LANES).filter(|&lane| index.0[lane] > 0.0) {
-                let Some((chord, components)) = drives.of(index.0[lane]) else { continue };
+                let Some(Driven { chord, components, .. }) = drives.of(index.0[lane]) else { continue };
                 let (x, v) = (io.position[tile].map(|x| x.0[lane]), io.velocity[tile].map(|v| v.0[lane]));
                 let (m, wanted) = (io.mass[tile].0[lane], chord.velocity(x));
                 let (on_grid, dv) = (&mut io.grid_velocity[tile], &mut io.change[tile]);

@@ -1,4 +1,4 @@
-use crate::labels::{DriveGift, DriveSums, NodeMotion, NodeSums, OwnStep};
+use crate::labels::{DriveGift, DriveSums, NodeMotion, OwnStep};
 use crate::node::Gift;
 use engine::graph::task::{At, Body};
 use grid::NODES;
@@ -13,8 +13,7 @@ pub struct DriveNodes;
 const LEAST: f64 = 1e-9;
 
 engine::task! { Nodes task DriveNodes {
-    requires new { step: OwnStep, sums: NodeSums }
-    requires now { driven: DriveSums }
+    requires now { step: OwnStep, driven: DriveSums }
     computes { gift: DriveGift }
     modifies { motion: NodeMotion }
 }}
@@ -22,19 +21,16 @@ engine::task! { Nodes task DriveNodes {
 impl Body for DriveNodes {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let sums = io.sums.chunks_exact(NODES).zip(io.driven.chunks_exact(NODES));
         let motions = io.motion.chunks_exact_mut(NODES).zip(io.gift.chunks_exact_mut(NODES));
-        for (((sums, driven), (motions, gifts)), _) in
-            sums.zip(motions).zip(at.fields).filter(|(_, f)| f.ends)
-        {
-            let nodes = sums.iter().zip(driven).zip(motions.iter_mut().zip(gifts));
-            for ((sum, driven), (motion, gift)) in nodes {
+        let fields = io.driven.chunks_exact(NODES).zip(motions).zip(at.fields);
+        for ((driven, (motions, gifts)), _) in fields.filter(|(_, field)| field.ends) {
+            for (driven, (motion, gift)) in driven.iter().zip(motions.iter_mut().zip(gifts)) {
                 let (mass, momentum) = (driven.mass(), driven.momentum());
                 if mass == [0.0; 3] {
                     *gift = Gift::default();
                     continue;
                 }
-                let (m, v) = (sum.mass(), motion.velocity());
+                let (m, v) = (motion.mass(), motion.velocity());
                 let held = [0, 1, 2].map(|a| mass[a] > LEAST * m);
                 let dv = [0, 1, 2].map(|a| if held[a] { momentum[a] / mass[a] - v[a] } else { 0.0 });
                 motion.add(dv);

@@ -17,8 +17,16 @@ pub struct DriveMotion {
     pub until: f64,
 }
 
-/// What moves a driven particle, and along which axes.
-pub type Driven = (Chord, [bool; 3]);
+/// What moves a driven particle.
+#[derive(Clone, Copy, Debug)]
+pub struct Driven {
+    /// Its way through the step.
+    pub chord: Chord,
+    /// Along which axes.
+    pub components: [bool; 3],
+    /// The gradient of the velocity that it has had so far, row by row [1/s].
+    pub gradient: [f64; 9],
+}
 
 /// What drives do in one step of a material: neighbors among particles mostly have the same.
 pub struct DriveStep<'a> {
@@ -44,7 +52,11 @@ impl DriveStep<'_> {
         }
         let (from, to) = (self.step.time, self.step.time + self.step.size);
         let drive = (index as usize).checked_sub(1).and_then(|index| self.drives.0.get(index));
-        let found = drive.filter(|it| from < it.until).map(|it| (it.motion.chord(from, to), it.components));
+        let found = drive.filter(|it| from < it.until).map(|it| Driven {
+            chord: it.motion.chord(from, to),
+            components: it.components,
+            gradient: it.motion.gradient_before(from, self.step.size),
+        });
         self.last = Some((index, found));
         found
     }

@@ -7,6 +7,8 @@ use simd::{LANES, Mask, Simd, Wide};
 pub const INVERTED: f64 = 1.0;
 /// A velocity, stress or wave speed that is not a finite number.
 pub const NOT_FINITE: f64 = 2.0;
+/// A free rigid body that meets something rigid: not a particle, but a number of `obstacles` as value.
+pub const MEETS: f64 = 3.0;
 
 /// Particles that something happened to: the rare branch.
 pub struct Who<'a> {

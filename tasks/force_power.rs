@@ -1,12 +1,16 @@
 use crate::forces::Forces;
+use crate::integrate::count;
 use crate::labels::{
-    Deformation, ForceIndex, GridVelocity, OwnStep, Position, Reactions, SurfaceArea, VelocityChange,
+    Deformation, ForceIndex, ForceWork, GridVelocity, OwnStep, Position, Reactions, SurfaceArea,
+    VelocityChange,
 };
 use crate::reactions::Reaction;
 use engine::graph::task::{At, Body};
+use physics::contact::dot;
 use simd::{LANES, Simd};
 
-/// Impulse, torque and work of the forces on particles, with the mean velocity of the nodes around each.
+/// Impulse, torque and work of the forces on particles, with the mean velocity of the nodes around each. They are no internal forces,
+/// among which `Integrate` has counted them.
 pub struct ForcePower {
     /// The forces.
     pub forces: Forces,
@@ -16,8 +20,9 @@ pub struct ForcePower {
 
 engine::task! { Particles task ForcePower {
     requires old { index: ForceIndex, area: SurfaceArea, deformation: Deformation, position: Position }
-    requires new { step: OwnStep, velocity: GridVelocity, change: VelocityChange }
-    computes { reactions: Reactions }
+    requires new { velocity: GridVelocity, change: VelocityChange }
+    requires now { step: OwnStep }
+    computes { reactions: Reactions, work: ForceWork }
 }}
 
 impl Body for ForcePower {
@@ -30,9 +35,11 @@ impl Body for ForcePower {
                 let force = self.forces.of(index.0[lane], &io.step[0], area, &f);
                 let (v, dv) = (&io.velocity[tile], &io.change[tile]);
                 let mean = [0, 1, 2].map(|a| v[a].0[lane] - 0.5 * dv[a].0[lane]);
+                let began = [0, 1, 2].map(|a| v[a].0[lane] - dv[a].0[lane]);
                 let mut reaction = Reaction::default();
                 let impulse = force.map(|force| io.step[0].size * force);
                 reaction.add(io.position[tile].map(|x| x.0[lane]), impulse, mean);
+                count(&mut io.work[0], io.step[0].first, -dot(impulse, began));
                 reaction.store(&mut io.reactions[self.first + index.0[lane] as usize - 1]);
             }
         }

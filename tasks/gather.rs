@@ -10,7 +10,8 @@ use simd::{Simd, Wide};
 pub struct Gather;
 
 engine::task! { Particles task Gather {
-    requires new { weights: Weights, nodes: NodeMotion @ 3 }
+    requires new { weights: Weights }
+    requires now { nodes: NodeMotion @ 3 }
     computes {
         velocity: GridVelocity,
         change: VelocityChange,

@@ -4,7 +4,8 @@
 //! from the usual of such labels. See [`engine::schema`].
 use crate::node;
 use crate::reactions::NUMBERS;
-use crate::rigid::state::RigidState;
+use crate::rigid::newton::BALANCE;
+use crate::rigid::state::{RigidState, RigidTrial as RigidTrialTile};
 use engine::data::exact_sum::ExactSum;
 use engine::data::rates::{Clock, MaterialStep};
 use engine::schema::Life::{Carried, Step};
@@ -28,6 +29,7 @@ engine::labels! {
     KirchhoffStress: [Wide; 6] = particle("Pa", "tau_p: xx xy xz yy yz zz");
     History: Wide             = particle("mixed", "what the law keeps, one line a number").by_material();
     ViscousWork: Wide         = particle("J/m^3", "work of the artificial viscosity per reference volume");
+    ViscousPressure: Wide     = particle("Pa", "J q of the artificial viscosity");
     ReferencePosition: [Wide; 3] = particle("m", "X_p - X_c of a rigid body's particle");
     DriveIndex: Wide          = particle("1", "1 + index of the drive that moves p, 0: none");
     ForceIndex: Wide          = particle("1", "1 + index of the force that acts on p, 0: none");
@@ -47,13 +49,15 @@ engine::labels! {
     StiffnessBound: Wide      = chunk("Pa", "upper bound of rho0 c^2 in p");
 
     NodeSums: node::Sums      = node("mixed", "m, m v (3), f (3), V").partials(3);
-    DriveSums: node::Driven   = node("kg, N s", "mass that drives hold (3), 0, what they give it (3), 0").partials(3);
+    DriveSums: node::Driven   = node("kg, N s", "mass that drives hold (3), 0, what they give it (3), 0").partials(3).lives(Step);
     DriveGift: node::Gift     = node("N s/kg, m/s", "what drives gave, a mass that they hold (3), 0, (v0 + v)/2 (3), 0").values(3);
     ContactSums: node::Surface = node("mixed", "m, m x (3), sum V grad S (3), m b").partials(3).where_fields_meet();
     ToolSums: node::Surface   = node("mixed", "m, m x (3), sum V grad S (3), 0 near tools").partials(3).where_near();
     ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), broken bonds, friction (3), 0")
                                     .values(3).lives(Step).where_fields_meet();
-    NodeMotion: node::Motion  = node("m/s", "v (3), 0, change of v in this step (3), 0").values(3).lives(Step);
+    NodeMotion: node::Motion  = node("m/s, kg", "v (3), m, change of v in this step (3), 0").values(3).lives(Step);
+    LoadChange: node::Change  = node("m/s", "what loads have changed of v in this step (3), 0 (5)").lives(Step);
+    RigidSite: node::Site     = node("m, kg, Pa", "center of the matter (3), m, normal traction, 0 (3) near free rigid bodies").lives(Step);
 
     BlockExtent: [Wide; 6]    = block("cells", "max of +-(base node) over the block, to see who leaves it").largest();
 
@@ -61,6 +65,8 @@ engine::labels! {
     OwnStep: MaterialStep     = material("s", "the step of its own that a material is in").lives(Carried);
     Fault: Wide               = material("mixed", "first inadmissible particle: kind, identity, value").first();
     FirstEvent: [Wide; MAX_EVENTS] = material("mixed", "time, identity, place of the first of each event that the law tells").first();
+    RigidTrial: RigidTrialTile = material("m/s, rad/s", "V, w of a free rigid body: without contact, and as they are sought").lives(Step);
+    RigidBalance: [ExactSum; BALANCE] = material("N s, N m s", "what contact gives the matter for a sought motion, and its derivative").exact();
     RigidImpulse: [ExactSum; 6] = material("N s, N m s", "impulse and torque impulse on a rigid body").exact().lives(Carried);
     RigidMotion: RigidState   = material("mixed", "state of a rigid body").lives(Carried);
     MaterialEnergy: [ExactSum; 5] = material("J", "kinetic, strain, plastic, fracture, viscous").exact();
@@ -71,7 +77,10 @@ engine::labels! {
 
     Time: Clock               = run("s", "time, tick, and what limits it").lives(Carried);
     StepOver: Wide            = run("1", "1 where all materials are together again: the step is over").lives(Step);
+    RigidSolved: Wide         = run("1", "1 where the motion of all free rigid bodies is found").lives(Step);
     ContactWork: [ExactSum; 2] = run("J", "kinetic energy lost in contact: by friction, by impact").exact();
+    StressWork: ExactSum      = material("J", "work that internal forces would do in a step if they were those of its end").exact();
+    ForceWork: [ExactSum; 2]  = run("J", "work that internal forces would do in a step at the velocities of its beginning; of that, in first steps").exact();
     TransferLoss: ExactSum    = run("J", "kinetic energy that nodes gain and particles do not").exact();
     Reactions: [ExactSum; NUMBERS] = run("N s, N m s, J", "impulse (3), its torque about the origin (3) and work of each giver")
                                     .exact().several();

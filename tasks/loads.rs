@@ -1,5 +1,5 @@
-use crate::labels::{NodeMotion, NodeSums, OwnStep, Time};
-use crate::node::{Motion, Sums};
+use crate::labels::{LoadChange, NodeMotion, NodeSums, OwnStep, Time};
+use crate::node::{Change, Motion, Sums};
 use engine::graph::task::{At, Body};
 use grid::NODES;
 use physics::table::Table;
@@ -16,8 +16,6 @@ pub struct Loads {
     pub field: LoadField,
     /// Mass below which a node carries nothing [kg].
     pub least_mass: f64,
-    /// Which materials are rigid: they take their loads as a whole.
-    pub rigid: Vec<bool>,
 }
 
 /// Accelerations that act everywhere.
@@ -39,11 +37,7 @@ impl LoadField {
 
     /// ḡ from time `from` over a time `s` [m/s²].
     pub fn mean_gravity(&self, from: f64, s: f64) -> [f64; 3] {
-        match (&self.gravity.0[..], s > 0.0) {
-            ([(_, g)], _) => *g,
-            (_, true) => self.gravity.integral(from, from + s).map(|v| v / s),
-            (_, false) => self.gravity.at(from),
-        }
+        self.gravity.mean(from, s)
     }
 
     /// Δv of a node a time `s` after its step began at a time `from`.
@@ -62,6 +56,7 @@ impl LoadField {
 
 engine::task! { Nodes task Loads {
     requires new { time: Time, step: OwnStep, sums: NodeSums }
+    computes { change: LoadChange }
     modifies { motion: NodeMotion }
 }}
 
@@ -69,14 +64,20 @@ impl Body for Loads {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let now = io.time[0].time;
-        let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
-        for ((sums, motions), field) in fields.filter(|(_, f)| !self.rigid[f.material]) {
+        let motions = io.motion.chunks_exact_mut(NODES).zip(io.change.chunks_exact_mut(NODES));
+        for ((sums, (motions, changes)), field) in io.sums.chunks_exact(NODES).zip(motions).zip(at.fields) {
             let (from, until) = (now - field.elapsed, field.elapsed + field.tick);
             let before = field.elapsed - field.missed;
-            for (sum, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.mass() > self.least_mass) {
+            let nodes = sums.iter().zip(motions.iter_mut().zip(changes));
+            for (sum, (motion, whole)) in nodes {
+                if sum.mass() <= self.least_mass {
+                    *whole = Change::default();
+                    continue;
+                }
                 let change = |s| self.field.change(sum, motion, from, s);
                 let (old, new) = (if before > 0.0 { change(before) } else { [0.0; 3] }, change(until));
                 motion.add([0, 1, 2].map(|a| new[a] - old[a]));
+                *whole = Change::new(new);
             }
         }
     }

@@ -5,7 +5,7 @@ use engine::graph::task::{At, Body};
 use grid::NODES;
 use simd::Simd;
 
-/// v_I = (mv)_I / m_I, no change yet, where a step begins. Nodes below `least_mass` rest. Where a material waited, and
+/// v_I = (mv)_I / m_I, no change yet, where a step begins; m_I goes along for those who have no sums. Nodes below `least_mass` rest. Where a material waited, and
 /// nobody asked for its nodes, they are brought to the beginning of the tick: v_I + Δt f_I / m_I over the ticks missed.
 pub struct NodalVelocity {
     /// Mass below which a node carries nothing [kg].
@@ -37,7 +37,7 @@ impl NodalVelocity {
     fn begin<S: Simd>(&self, sums: &[Sums], motions: &mut [Motion]) {
         for (sum, motion) in sums.iter().zip(motions) {
             let inverse = if sum.mass() > self.least_mass { 1.0 / sum.mass() } else { 0.0 };
-            (sum.momentum_line::<S>() * S::splat(inverse)).store(&mut motion.0);
+            (sum.momentum_line::<S>() * S::splat(inverse)).with_3(S::splat(sum.mass())).store(&mut motion.0);
         }
     }
 }

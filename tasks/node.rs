@@ -1,5 +1,6 @@
 //! What a line of a node holds: the lane of each number stands here, and nowhere else.
 use bytemuck::{Pod, Zeroable};
+use physics::contact::dot;
 use simd::{Simd, Wide};
 
 /// What particles of one field give to a node: m, m v (3), f (3), V.
@@ -36,6 +37,11 @@ impl Sums {
         for (lane, (sum, part)) in self.0.0.iter_mut().zip(image.0.0).enumerate() {
             *sum += part * [1.0, signs[0], signs[1], signs[2], signs[0], signs[1], signs[2], 1.0][lane];
         }
+    }
+    /// Adds a momentum.
+    #[inline(always)]
+    pub fn add_momentum(&mut self, momentum: [f64; 3]) {
+        (0..3).for_each(|axis| self.0.0[1 + axis] += momentum[axis]);
     }
     /// Adds a force.
     #[inline(always)]
@@ -157,16 +163,54 @@ impl Gift {
     }
 }
 
-/// How one field moves at a node: v (3), 0, Δv (3), 0.
+/// What a node knows of the matter of one field near rigid bodies: where its center is (3), its mass, its normal traction, 0 (3).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Site(pub Wide);
+
+impl Site {
+    /// From the sums of a node at whose place particles were some time [s] ago; nothing where none told where it is.
+    #[inline(always)]
+    pub fn of(sum: &Sums, surface: &Surface, ago: f64, v: [f64; 3]) -> Self {
+        if surface.mass() <= 0.0 {
+            return Self::default();
+        }
+        // the center of mass goes on with the node while the particles wait
+        let [x, y, z] = [0, 1, 2].map(|a| surface.moment(a) / surface.mass() + ago * v[a]);
+        // the internal force of a uniformly stressed surface is −σ Σ V ∇S
+        let outward: [f64; 3] = std::array::from_fn(|a| surface.outward(a));
+        let square = dot(outward, outward);
+        let traction = if square > 0.0 { -dot(sum.force(), outward) / square } else { 0.0 };
+        Self(Wide([x, y, z, sum.mass(), traction, 0.0, 0.0, 0.0]))
+    }
+    /// Y = Σ S m x / m: the center of the matter [m].
+    #[inline(always)]
+    pub fn center(&self) -> [f64; 3] {
+        let [x, y, z, ..] = self.0.0;
+        [x, y, z]
+    }
+    /// m_I [kg]; 0 where nothing is near.
+    #[inline(always)]
+    pub fn mass(&self) -> f64 {
+        self.0.0[3]
+    }
+    /// Normal traction of the matter, positive in tension [Pa].
+    #[inline(always)]
+    pub fn traction(&self) -> f64 {
+        self.0.0[4]
+    }
+}
+
+/// How one field moves at a node: v (3), m, Δv (3), 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Motion(pub Wide);
 
 impl Motion {
-    /// A node that moves at `v` [m/s], with no change yet.
+    /// m_I [kg]
     #[inline(always)]
-    pub fn at([x, y, z]: [f64; 3]) -> Self {
-        Self(Wide([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    pub fn mass(&self) -> f64 {
+        self.0.0[3]
     }
     /// v_I [m/s]
     #[inline(always)]
@@ -205,6 +249,25 @@ impl Motion {
             self.0.0[axis] += dv[axis];
             self.0.0[4 + axis] += dv[axis];
         }
+    }
+}
+
+/// What loads have changed of the velocity of a node in this step (3), 0 (5).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Change(pub Wide);
+
+impl Change {
+    /// So much [m/s].
+    #[inline(always)]
+    pub fn new([x, y, z]: [f64; 3]) -> Self {
+        Self(Wide([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    }
+    /// Δv [m/s]
+    #[inline(always)]
+    pub fn velocity(&self) -> [f64; 3] {
+        let [x, y, z, ..] = self.0.0;
+        [x, y, z]
     }
 }
 

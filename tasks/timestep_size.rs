@@ -12,7 +12,7 @@ use simd::{Simd, Wide};
 /// also heeds those that touch it, Δt ≤ CFL h / (c + |v| of the other), so that nothing crosses a cell of it unseen.
 ///
 /// All heed what will move within the step: tools, walls and drives by their largest speed until its end, and turns of at most a
-/// tenth of a radian; gravity, with v + |g| Δt for v.
+/// tenth of a radian; gravity and forces on rigid bodies, with v + |g| Δt for v.
 pub struct TimestepSize {
     /// CFL number.
     pub cfl: f64,
@@ -28,6 +28,8 @@ pub struct TimestepSize {
     pub gravity: Table,
     /// The materials on which it acts.
     pub falls: Vec<bool>,
+    /// What else accelerates each material [m/s²] in time.
+    pub pushes: Vec<Table>,
     /// Which materials are rigid: they take every tick.
     pub rigid: Vec<bool>,
 }
@@ -45,6 +47,8 @@ pub struct Mover {
 
 /// The most that anything turns in a step [rad].
 const TURN: f64 = 0.1;
+/// Halvings in the search for a step before something moves suddenly.
+const SEARCH: usize = 40;
 
 engine::task! { Once task TimestepSize {
     requires old { speed: SignalSpeed }
@@ -108,19 +112,33 @@ impl TimestepSize {
         self.longest(material, others.fold(signal, f64::max), sound, time)
     }
 
-    /// The longest step [s] of a material with this signal speed and speed of sound.
+    /// The longest step [s] of a material with this signal speed and speed of sound: the largest that what moves within it allows.
     fn longest(&self, material: usize, signal: f64, sound: f64, time: f64) -> f64 {
-        let way = self.cfl * self.cell;
-        let (mut speed, mut turning) = (signal, 0.0f64);
-        // until when is not known before: at most until this
-        let until = time + (way / signal).min(1e30);
+        let allowed = |step: f64| self.allowed(material, signal, sound, [time, time + step]);
+        let most = (self.cfl * self.cell / signal).min(1e30);
+        // what a longer step allows, a shorter one does, too
+        let mut short = allowed(most);
+        let mut long = allowed(short).min(most);
+        for _ in 0..SEARCH {
+            if short >= (1.0 - 1e-3) * long {
+                break;
+            }
+            let middle = 0.5 * (short + long);
+            if middle <= allowed(middle) { short = middle } else { long = middle }
+        }
+        short
+    }
+
+    /// The longest step [s] that is allowed by what moves from one time to another.
+    fn allowed(&self, material: usize, signal: f64, sound: f64, [time, until]: [f64; 2]) -> f64 {
+        let (way, mut speed, mut turning) = (self.cfl * self.cell, signal, 0.0f64);
         for mover in self.movers.iter().filter(|mover| mover.meets.contains(&material)) {
             speed = speed.max(sound + mover.motion.fastest(time, until, mover.radius));
             turning = turning.max(mover.motion.fastest_turn(time, until));
         }
         let size = |g: [f64; 3]| g.iter().map(|g| g * g).sum::<f64>().sqrt();
-        let all = self.gravity.within(time, until).map(|(_, g)| size(g));
-        let g = if self.falls[material] { all.fold(0.0, f64::max) } else { 0.0 };
+        let most = |table: &Table| table.within(time, until).map(|(_, g)| size(g)).fold(0.0, f64::max);
+        let g = if self.falls[material] { most(&self.gravity) } else { 0.0 } + most(&self.pushes[material]);
         let fallen = 2.0 * way / (speed + (speed * speed + 4.0 * g * way).sqrt());
         fallen.min(TURN / turning)
     }

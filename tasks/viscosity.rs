@@ -1,11 +1,14 @@
 use crate::labels::{
-    InitialVolume, KirchhoffStress, Mass, OwnStep, StiffnessBound, VelocityGradient, ViscousWork, Volume,
+    InitialVolume, KirchhoffStress, Mass, OwnStep, StiffnessBound, VelocityGradient, ViscousPressure,
+    ViscousWork, Volume,
 };
 use engine::graph::task::{At, Body};
+use physics::tensor::{backward_work, increment};
 use physics::viscosity::Viscosity as Law;
-use simd::Simd;
+use simd::{Simd, load};
 
-/// τ ← τ − J q 1 in compression; the work goes to heat and is counted, and the step heeds that it stiffens.
+/// τ ← τ − J q 1 in compression; the step heeds that it stiffens. The work goes to heat and is counted, by the trapezoidal rule as that of all
+/// stresses: ½ (J q)_n tr Δt L + ½ (J q)_{n+1} tr (1 − (1 + Δt L)⁻¹).
 pub struct Viscosity {
     /// The law.
     pub law: Law,
@@ -15,8 +18,9 @@ pub struct Viscosity {
 
 engine::task! { Particles task Viscosity {
     requires old { mass: Mass, initial_volume: InitialVolume }
-    requires new { step: OwnStep, gradient: VelocityGradient, volume: Volume }
-    modifies { stress: KirchhoffStress, work: ViscousWork, stiffness: StiffnessBound }
+    requires new { gradient: VelocityGradient, volume: Volume }
+    requires now { step: OwnStep }
+    modifies { stress: KirchhoffStress, work: ViscousWork, pressure: ViscousPressure, stiffness: StiffnessBound }
 }}
 
 impl Body for Viscosity {
@@ -26,7 +30,8 @@ impl Body for Viscosity {
         let tiny = S::splat(f64::MIN_POSITIVE);
         let scalars = io.mass.iter().zip(io.initial_volume.iter()).zip(io.volume.iter());
         let tiles = io.gradient.iter().zip(io.stiffness.iter_mut()).zip(io.stress.iter_mut());
-        for ((((m, v0), v), ((l, stiffness), tau)), work) in scalars.zip(tiles).zip(io.work.iter_mut()) {
+        let heat = io.work.iter_mut().zip(io.pressure.iter_mut());
+        for ((((m, v0), v), ((l, stiffness), tau)), (work, known)) in scalars.zip(tiles).zip(heat) {
             let (m, v0, v) = (S::load(m), S::load(v0), S::load(v));
             // lanes without a particle have no volume
             let (density, j) = (m / v.max(tiny), v / v0.max(tiny));
@@ -38,7 +43,12 @@ impl Body for Viscosity {
             for component in [0, 3, 5] {
                 (S::load(&tau[component]) - pressure).store(&mut tau[component]);
             }
-            (pressure * rate).fnma(dt, S::load(work)).store(work);
+            let zero = S::splat(0.0);
+            let all = [pressure, zero, zero, pressure, zero, pressure];
+            let after = backward_work(&all, &increment(&load(l), dt));
+            let spent = S::splat(0.5) * (S::load(known) * rate).fma(dt, after);
+            (S::load(work) - spent).store(work);
+            pressure.store(known);
             let hurry = self.law.hurry(c, rate, cell);
             (S::load(stiffness) * hurry * hurry).store(stiffness);
         }

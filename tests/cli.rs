@@ -184,7 +184,7 @@ fn the_graph_prints_in_every_form_and_says_why() {
     }
     let check = graph(&["--check"]);
     assert!(check.status.success());
-    for word in ["38 tasks on 1 patch: no race", "1 graph, 1 loop: each label that is read was left"] {
+    for word in ["40 tasks on 1 patch: no race", "1 graph, 1 loop: each label that is read was left"] {
         assert!(words(&check).contains(word), "{}", words(&check));
     }
     for wrong in [
@@ -292,4 +292,37 @@ fn there_is_no_such_patch_or_rank() {
         assert_eq!(output.status.code(), Some(2));
         assert!(words(&output).contains(told), "{}", words(&output));
     }
+}
+
+#[test]
+fn scaling_of_what_is_found_in_rounds_is_measured_and_not_foreseen() {
+    let output = sinew(&["scale", "problems/slab-rigid", "--quiet"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = words(&output);
+    assert!(said.contains("found in rounds") && said.contains("--measure-only"), "{said}");
+}
+
+/// Force over displacement of a strip between grips, as its README draws it.
+#[test]
+fn a_plot_shows_columns_of_the_history() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().to_str().expect("a plain path");
+    let short = ["--steps", "200", "--out", out, "--force", "--quiet", "--set", "output.frames=0"];
+    let run = sinew(&[&["run", "problems/tension"][..], &short].concat());
+    assert!(run.status.success(), "{}", words(&run));
+    let names = words(&sinew(&["plot", out]));
+    assert!(
+        names.contains("drive.right.force_x_n") && names.contains("drive.right.displacement_x_m"),
+        "{names}"
+    );
+    let x = ["--x", "drive.right.displacement_x_m"];
+    let plot = sinew(
+        &[&["plot", out][..], &x, &["--y", "drive.right.force_x_n", "--minus", "drive.left.force_x_n"]]
+            .concat(),
+    );
+    assert!(plot.status.success(), "{}", words(&plot));
+    let svg = std::fs::read_to_string(folder.path().join("plot.svg")).expect("a plot");
+    assert!(svg.matches("<polyline").count() == 4 && svg.contains("drive.right.displacement_x_m"));
+    let wrong = sinew(&["plot", out, "--y", "force"]);
+    assert!(wrong.status.code() == Some(2) && words(&wrong).contains("prints their names"));
 }

@@ -10,10 +10,10 @@ use engine::data::workspace::{Workspace, no_columns};
 use engine::graph::task::Runnable;
 use engine::schema::{Label, LabelId};
 use grid::{BlockShape, Lattice, Level, NODES};
+use physics::contact::AnyContactLaw;
 use physics::contact::bonded::Bonded;
 use physics::contact::friction::{Criterion, Friction};
 use physics::contact::surface::SurfaceTable;
-use physics::contact::{AnyContactLaw, ContactLaw, Pair, dot};
 use simd::{Isa, Wide};
 use std::array::from_fn;
 use tasks::contact::{Contact, FieldPair};
@@ -21,68 +21,6 @@ use tasks::labels::{self, SCHEMA};
 
 const CRITERIA: [Criterion; 3] =
     [Criterion::Approach, Criterion::ApproachOrCompression, Criterion::ApproachAndCompression];
-
-fn pair(random: &mut Random) -> Pair {
-    let n = random.vector();
-    Pair {
-        relative: random.vector(),
-        reduced_mass: 10f64.powf(6.0 * random.sign()),
-        normal: n.map(|x| x / norm(n)),
-        traction: random.sign(),
-    }
-}
-
-/// Relative velocity after an exchange.
-fn after(pair: &Pair, exchange: &physics::contact::Exchange) -> [f64; 3] {
-    from_fn(|a| pair.relative[a] + (exchange.normal[a] + exchange.friction[a]) / pair.reduced_mass)
-}
-
-#[test]
-fn bonded_materials_move_as_one() {
-    let mut random = Random(1);
-    for _ in 0..1000 {
-        let pair = pair(&mut random);
-        assert!(norm(after(&pair, &Bonded::FOREVER.exchange(&pair))) < 1e-15);
-    }
-}
-
-#[test]
-fn friction_follows_coulomb_and_its_criterion() {
-    let mut random = Random(2);
-    for criterion in CRITERIA {
-        for _ in 0..1000 {
-            let (pair, mu) = (pair(&mut random), 2.0 * random.unit());
-            let exchange = Friction { coefficient: mu, criterion }.exchange(&pair);
-            let (approach, compressed) = (dot(pair.relative, pair.normal), pair.traction < 0.0);
-            let acts = match criterion {
-                Criterion::Approach => approach > 0.0,
-                // contact never pulls
-                Criterion::ApproachOrCompression => approach > 0.0,
-                Criterion::ApproachAndCompression => approach > 0.0 && compressed,
-            };
-            if !acts {
-                assert_eq!(after(&pair, &exchange), pair.relative);
-                continue;
-            }
-            let (normal, across) = (norm(exchange.normal), norm(exchange.friction));
-            assert!(across <= mu * normal * (1.0 + 1e-14), "friction is at most mu times the normal impulse");
-            let left = after(&pair, &exchange);
-            assert!(dot(left, pair.normal).abs() < 1e-15, "nothing is left along the normal");
-            assert!(dot(exchange.friction, pair.normal).abs() < 1e-15 * pair.reduced_mass);
-            let sticks = norm(left) < 1e-14;
-            assert!(
-                sticks || across > mu * normal * (1.0 - 1e-14),
-                "what slips is held as far as friction goes"
-            );
-            let smooth = Friction { coefficient: 0.0, criterion }.exchange(&pair);
-            assert_eq!(
-                smooth.friction.map(f64::abs),
-                [0.0; 3],
-                "without friction there is no impulse across"
-            );
-        }
-    }
-}
 
 /// One block of nodes that `materials` touch, with random masses over six decades, velocities, forces and surfaces.
 struct Nodes {
@@ -161,7 +99,6 @@ fn every_node_keeps_its_momentum_whoever_meets_there() {
                 pairs: pairs.iter().map(pair).collect(),
                 lattice,
                 least_mass: 1e-14,
-                rigid: vec![false; materials],
                 surfaces: vec![SurfaceTable::new(0.25, 0.25); materials],
                 interpolated: false,
             };
@@ -328,6 +265,17 @@ fn blocks_feel_each_other_when_their_surfaces_meet() {
 #[test]
 fn blocks_with_flush_edges_feel_each_other_when_their_surfaces_meet() {
     assert!(gaps("2", 2).iter().flatten().all(|gap| gap.abs() < 0.1), "remaining gap in cells");
+}
+
+/// With a gap of their own they feel each other so far away.
+#[test]
+fn a_gap_is_where_contact_begins() {
+    for gap in ["0.2", "0.4"] {
+        let found = gaps_at_first_touch(&[("contact.0.gap", gap)]);
+        println!("gap {gap}: {found:.3?}");
+        let wanted: f64 = gap.parse().expect("a number");
+        assert!(found.iter().all(|found| (found - wanted).abs() < 0.1), "{gap}: {found:?}");
+    }
 }
 
 const BALL: [(&str, &str); 6] = [

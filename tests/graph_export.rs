@@ -137,7 +137,7 @@ fn why_answers_for_labels_and_edges() {
     let shown = shown("slab-quick", &[], [1, 1, 1], 1);
     let label = shown.graph().why_label("nodemotion").join("\n");
     for word in
-        ["NodeMotion [m/s]", "RequiresNew by Gather[lead] with 3 ghost layers", "Modifies by Boundary"]
+        ["NodeMotion [m/s, kg]", "Requires by Gather[lead] with 3 ghost layers", "Modifies by Boundary"]
     {
         assert!(label.contains(word), "{label}");
     }

@@ -28,7 +28,8 @@ type Blocks = BTreeMap<(usize, [i32; 3]), ([i32; 3], [i32; 3])>;
 /// Blocks of a scene from its particles alone: material and block, with the lowest and highest base node on each axis.
 fn blocks(scene: &Scene, level: &Level) -> Blocks {
     let mut blocks = BTreeMap::new();
-    for body in &scene.bodies {
+    let rigid = |m: usize| matches!(scene.materials[m].behavior, scene::Behavior::Rigid(_));
+    for body in scene.bodies.iter().filter(|body| !rigid(body.material)) {
         let half = recipes::half_size(scene, body.material);
         for x in sampling::sample(scene, body) {
             let y: [f64; 3] = std::array::from_fn(|a| (x[a] - level.lower[a]) / level.cell - half[a]);
@@ -118,10 +119,18 @@ fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
             }
             named
         };
+        // a rigid body has no lines, and its neighborhood is that of its shape: the sums near it are not counted here
+        let counted = |all: Counted| -> Counted {
+            let mut all = all;
+            if name == "slab-rigid" {
+                all.values_mut().for_each(|lines| lines.retain(|(label, _), _| label != "ContactSums"));
+            }
+            all
+        };
         let patches = named(&traffic.between, &|from, to, label, m| traffic.patch_bytes(from, to, label, m));
         let ranks = named(&traffic.to_rank, &|from, to, label, m| traffic.rank_bytes(from, to, label, m));
-        assert_eq!(patches, brute(&shown, |patch| patch), "{name}");
-        assert_eq!(ranks, brute(&shown, |patch| traffic.rank_of[patch]), "{name}");
+        assert_eq!(counted(patches), counted(brute(&shown, |patch| patch)), "{name}");
+        assert_eq!(counted(ranks), counted(brute(&shown, |patch| traffic.rank_of[patch])), "{name}");
         // what a diagram says is the same in both forms
         let bytes = |expanded: bool, wanted: &dyn Fn(Kind) -> bool| -> u64 {
             let diagram = shown.diagram(expanded);
@@ -135,13 +144,9 @@ fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
             let diagram = shown.diagram(expanded);
             let sent: u64 = diagram.items.iter().filter(|i| halos(i.kind)).map(|i| i.messages.bytes).sum();
             let heads = traffic.to_rank.iter().filter(|((p, to), _)| traffic.rank_of[*p] != *to);
-            let heads: u64 =
-                heads.flat_map(|(_, passing)| passing).map(|passing| LINE * passing.adders).sum();
-            // the motion of rigid bodies travels, although no task takes it
-            let rigid = name == "slab-rigid";
-            assert!(
-                sent >= heads + bytes(expanded, &halos) && (rigid || sent == heads + bytes(expanded, &halos))
-            );
+            let heads = heads.flat_map(|(_, passing)| passing.iter().zip(&traffic.fields));
+            let heads: u64 = heads.map(|(passing, &fields)| fields * LINE * passing.adders).sum();
+            assert_eq!(sent, heads + bytes(expanded, &halos), "{name}");
         }
     }
 }
@@ -314,8 +319,12 @@ fn the_first_step_sends_what_the_graph_shows_to_the_byte() {
             pairs.entry((from, to)).or_default().add(1, 64 * lines as u64);
         }
         let mut wanted: BTreeMap<Channel, BTreeMap<(usize, usize), Messages>> = BTreeMap::new();
-        for (about, pairs) in shown.plan.traffic.by_cause(shown.graph()) {
-            let exchange = |about| shown.graph().exchanges.iter().position(|e| names(&e.labels) == about);
+        let graphs = shown.program.graphs();
+        let causes = graphs.iter().flat_map(|graph| {
+            shown.plan.traffic.by_cause(graph).into_iter().map(move |(about, pairs)| (graph, about, pairs))
+        });
+        for (graph, about, pairs) in causes {
+            let exchange = |about| graph.exchanges.iter().position(|e| names(&e.labels) == about);
             let channel = match about.as_str() {
                 "relocation" => Channel::Travelers,
                 about if about.starts_with("reduction") => Channel::Reduction,

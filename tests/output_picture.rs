@@ -22,6 +22,7 @@ fn scene() -> Scene {
             angular_velocity: [0.0; 3],
             locked: [false; 3],
             locked_turns: [false; 3],
+            force: scene::Table(vec![(0.0, [0.0; 3])]),
         }),
     };
     let body = |material: usize| Body {

@@ -1,6 +1,6 @@
 //! `history.csv` and `summary.json`.
 #![allow(clippy::unwrap_used, missing_docs)]
-use sinew::output::history::{Cell, Column, History};
+use sinew::output::history::{Cell, Column, History, Table};
 use sinew::output::summary::{FirstFailure, MaterialSummary, Status, Summary, hex};
 use std::path::Path;
 
@@ -28,6 +28,13 @@ fn a_row_reads_back_the_same_numbers() {
     assert_eq!(lines[1], "1.25e-7,-0.3333333333333333,12,\"sound, \"\"lead\"\"\"");
     assert_eq!(lines[2], "0.5,,0,end");
     assert_eq!(lines[1].split(',').nth(1).unwrap().parse(), Ok(-third));
+    let table = Table::read(&path).unwrap();
+    assert_eq!(table.rows[0][3], "sound, \"lead\"");
+    let velocity = table.column("tissue.mean_velocity_x_m_s").unwrap();
+    assert!(velocity[0] == -third && velocity[1].is_nan() && table.column("nothing").is_none());
+    // half a row, of a run that was killed, is passed over
+    std::fs::write(&path, format!("{text}0.75,1,2,h")).unwrap();
+    assert_eq!(Table::read(&path).unwrap(), table);
 
     drop(history);
     let mut history = History::resume(&path, &columns(), 0.1).unwrap();

@@ -1,10 +1,8 @@
 //! Free rigid bodies that nothing touches.
 mod common;
 
-use common::{Overrides, scene, start};
-use engine::schema::Label;
+use common::{Overrides, body, scene, start};
 use nalgebra::{Matrix3, Vector3};
-use tasks::labels;
 use tasks::rigid::state::RigidState;
 
 /// A brick that turns about its middle axis, a little off.
@@ -38,10 +36,6 @@ cfl = 0.4
 steps = 1400
 "#;
 
-fn body(simulation: &sinew::simulation::Simulation) -> RigidState {
-    simulation.warehouse.shared.get(labels::RigidMotion::ID, 0)
-}
-
 /// ω in the body's frame after a time, by Euler's equations and fourth-order Runge and Kutta in small steps.
 fn spin(inertia: [f64; 3], start: [f64; 3], time: f64) -> [f64; 3] {
     let rate = |w: [f64; 3]| -> [f64; 3] {
@@ -66,7 +60,7 @@ fn spin(inertia: [f64; 3], start: [f64; 3], time: f64) -> [f64; 3] {
 #[test]
 fn a_tumbling_brick_keeps_its_energy_and_flips_in_time() {
     let mut simulation = start(scene(BRICK, &[]));
-    let before = body(&simulation);
+    let before = body(&simulation, 0);
     // a brick of mass M: M/12 (b² + c²), exactly
     let mass = 2000.0 * 12e-3 * 8e-3 * 4e-3;
     let exact =
@@ -81,7 +75,7 @@ fn a_tumbling_brick_keeps_its_energy_and_flips_in_time() {
     };
     let (first, mut worst, mut flips, mut last) = (energy(&before), 0.0f64, Vec::new(), 1.0);
     while simulation.step().expect("steps") {
-        let now = body(&simulation);
+        let now = body(&simulation, 0);
         worst = worst.max((energy(&now) / first - 1.0).abs());
         let r = Matrix3::from_row_slice(&now.rotation);
         let w = r.transpose() * Vector3::from(now.angular);
@@ -112,7 +106,7 @@ fn damping_brakes_a_free_body_and_its_turn() {
     let mut simulation = start(scene(BRICK, damped));
     let before = simulation.report().expect("one rank").materials[0].clone();
     common::finish(&mut simulation).expect("runs");
-    let after = body(&simulation);
+    let after = body(&simulation, 0);
     let decay = f64::exp(-20.0 * 0.05);
     assert!((after.velocity[0] / 0.05 - decay).abs() < 1e-12);
     let l = simulation.report().expect("one rank").materials[0].angular_momentum[1];
@@ -141,14 +135,14 @@ fn a_locked_body_moves_and_turns_along_and_about_what_is_left() {
     let locked: Overrides<'_> = &[
         ("material.brick.locked", "xz"),
         ("material.brick.locked-turns", "xy"),
-        ("material.brick.angular-velocity", "[3, 2, 40]"),
-        ("body.brick.velocity", "[0.3, 0.02, 0.1]"),
+        ("material.brick.angular-velocity", "[0, 0, 40]"),
+        ("body.brick.velocity", "[0, 0.02, 0]"),
         ("load.gravity", "[5, 1, 7]"),
         ("run.until", "0.03"),
     ];
     let mut simulation = start(scene(BRICK, locked));
     common::finish(&mut simulation).expect("runs");
-    let it = body(&simulation);
+    let it = body(&simulation, 0);
     let velocity = [0.0, 0.02 + 0.03, 0.0];
     assert!(
         it.velocity.iter().zip(velocity).all(|(v, wanted)| (v - wanted).abs() < 1e-12),
@@ -158,4 +152,69 @@ fn a_locked_body_moves_and_turns_along_and_about_what_is_left() {
     assert!(it.angular[0] == 0.0 && it.angular[1] == 0.0 && (it.angular[2] - 40.0).abs() < 1e-9);
     let angle = it.rotation[3].atan2(it.rotation[0]);
     assert!((angle - 40.0 * 0.03).abs() < 1e-9, "{angle}");
+}
+
+/// A tool that is pushed: ∫F dt / M, and what pushes it is accounted.
+#[test]
+fn a_force_in_time_moves_a_body_and_is_told() {
+    let pushed: Overrides<'_> = &[
+        ("material.brick.force", "[[0, 0, 0, 0], [0.02, 0.004, 0, -0.002]]"),
+        ("material.brick.angular-velocity", "[0, 0, 0]"),
+        ("load.damping", "0"),
+        ("run.until", "0.03"),
+    ];
+    let mut simulation = start(scene(BRICK, pushed));
+    let report = common::finish(&mut simulation).expect("runs");
+    let (mass, it) = (2000.0 * 12e-3 * 8e-3 * 4e-3, body(&simulation, 0));
+    let impulse = [0.004, 0.0, -0.002].map(|f| f * (0.5 * 0.02 + 0.01));
+    assert!((0..3).all(|a| (it.velocity[a] - impulse[a] / mass).abs() < 1e-12), "{:?}", it.velocity);
+    let pushes = report.givers.iter().find(|giver| giver.name == "rigid.brick").expect("its force gives");
+    assert!((0..3).all(|a| (pushes.impulse[a] - impulse[a]).abs() < 1e-15), "{:?}", pushes.impulse);
+    assert!((pushes.work / report.energy().kinetic - 1.0).abs() < 1e-9, "{}", pushes.work);
+    assert!(report.residual.abs() < 1e-12 * report.turnover);
+    // a great force from rest: no step is so long that it flies through a cell
+    let hard: Overrides<'_> =
+        &[("material.brick.force", "[2000, 0, 0]"), ("material.brick.angular-velocity", "[0, 0, 0]")];
+    let mut simulation = start(scene(BRICK, hard));
+    simulation.step().expect("steps");
+    assert!(body(&simulation, 0).center[0] - 12e-3 < 0.41e-3);
+}
+
+/// A falling brick that lands on something rigid: told, and with whom.
+#[test]
+fn a_free_body_that_meets_something_rigid_ends_the_run() {
+    let slab = "[{ name = \"jelly\", material = \"jelly\", shape = { box = { lower = [0, 0, 0], upper = [0.002, 0.002, 0.002] } } }, \
+                { name = \"brick\", material = \"brick\", shape = { box = { lower = [0.006, 0.008, 0.010], upper = [0.018, 0.016, 0.014] } } }";
+    let tool = ", { name = \"plate\", material = \"plate\", shape = { box = { lower = [0.004, 0.004, 0.004], upper = [0.020, 0.020, 0.006] } } }]";
+    let with_tool = format!("{slab}{tool}");
+    let alone = format!("{slab}]");
+    let fall: Overrides<'_> = &[
+        ("material.brick.angular-velocity", "[0, 0, 0]"),
+        ("body.brick.velocity", "[0, 0, -1]"),
+        ("run.until", "0.02"),
+        ("run.steps", "100000"),
+    ];
+    let plates = [
+        ("rigid.plate", "{ law = \"rigid\", motion = \"free\", density = 1000 }", &with_tool, "none"),
+        ("rigid.plate", "{ law = \"rigid\", motion = \"prescribed\", density = 1000 }", &with_tool, "none"),
+        ("face.z-min", "", &alone, "fixed"),
+        ("face.z-min", "", &alone, "symmetric"),
+    ];
+    for (whom, plate, bodies, face) in plates {
+        let mut overrides = vec![("body", bodies.as_str())];
+        if !plate.is_empty() {
+            overrides.push(("material.plate", plate));
+        }
+        if face != "none" {
+            overrides.push(("boundary.z-min", face));
+        }
+        overrides.extend(fall);
+        let mut simulation = start(scene(BRICK, &overrides));
+        let error = common::finish(&mut simulation).expect_err("they meet").to_string();
+        // 4 mm above the plate, 10 mm above the face, and the run ends with a particle beyond it, a quarter of a cell within the brick
+        let when = if face == "none" { 4.25e-3 } else { 10.25e-3 };
+        println!("{error}");
+        assert!(error.contains("the free rigid body brick meets") && error.contains(whom), "{error}");
+        assert!((simulation.clock().time - when).abs() < 0.3e-3, "{}", simulation.clock().time);
+    }
 }

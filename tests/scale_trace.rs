@@ -199,8 +199,3 @@ fn contact_at_a_common_rate() {
 fn contact_where_materials_take_steps_of_their_own() {
     check("slab-quick", &[("run.rates", "per-material")], 8);
 }
-
-#[test]
-fn a_rigid_body_with_a_reduction_within_the_tick() {
-    check("slab-rigid", &[], 1);
-}

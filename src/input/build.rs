@@ -112,6 +112,12 @@ fn rigid_motion(name: &str, given: &Node) -> Outcome<RigidMotion> {
                 return Err(Fault::new(given.get(key).place, message).help("its motion says where it goes"));
             }
         }
+        if choose::in_time(given.get("force")).acts() {
+            let message = format!("`material.{name}.force` has no meaning for a prescribed motion");
+            return Err(
+                Fault::new(given.get("force").place, message).help("set `motion = \"free\"`: then it pushes")
+            );
+        }
         return Ok(RigidMotion::Prescribed { course, spin, center, visible: given.get("visible").flag() });
     }
     for key in ["velocity", "displacement", "center"] {
@@ -125,7 +131,8 @@ fn rigid_motion(name: &str, given: &Node) -> Outcome<RigidMotion> {
         &[(_, angular_velocity)] => {
             let [locked, locked_turns] = ["locked", "locked-turns"]
                 .map(|key| ["x", "y", "z"].map(|axis| given.get(key).word().contains(axis)));
-            Ok(RigidMotion::Free { angular_velocity, locked, locked_turns })
+            let force = choose::in_time(given.get("force"));
+            Ok(RigidMotion::Free { angular_velocity, locked, locked_turns, force })
         }
         _ => Err(Fault::new(spin.place, format!("`material.{name}.angular-velocity` is given in time"))
             .help("a free body has one at the start: give one vector, or set `motion = \"prescribed\"`")),

@@ -30,7 +30,7 @@ pub(super) static SCENE: &[Field] = &[
         Form::List(&CONTACT),
         Absent::Empty,
         "Which materials touch, and how. Materials \
-        of pairs that are not listed pass through each other.",
+        of pairs that are not listed pass through each other, but for free rigid bodies, which may not meet anything rigid.",
     ),
     Field::with_default(
         "boundary",
@@ -176,14 +176,16 @@ static LOAD: &[Field] = &[
         "damping",
         not_negative(Rate),
         Absent::Number(0.0),
-        "Mass-proportional damping: a = −damping · v.",
+        "Mass-proportional damping, a = −damping · v, by its exponential, however strong. Impulses of tools, faces and \
+        contact are told as they act on the damped motion: (1 − e^(−damping Δt))/(damping Δt) of the force in a step, the rest by \
+        `loads`.",
     ),
     Field::with_default(
         "local-damping",
         Form::Number(Range { dimension: One, least: 0.0, open_below: false, most: 0.95 }),
         Absent::Number(0.0),
         "Local damping of Cundall, for slow loading: at each node this share of the force out of balance acts against the \
-        velocity, axis by axis.",
+        velocity, axis by axis. It does not act on free rigid bodies, and its torque is no one's.",
     ),
 ];
 

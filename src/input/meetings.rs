@@ -66,7 +66,7 @@ fn contact(given: &Node, materials: &[Material], path: &str) -> Outcome<Contact>
     if pair.iter().all(|&m| matches!(materials[m].behavior, Behavior::Rigid(_))) {
         let [a, b] = pair.map(|m| &materials[m].name);
         let message = format!("materials {a:?} and {b:?} are both rigid: their contact is not modelled");
-        let help = "make one of them deformable, or leave the contact out: then they pass through each other";
+        let help = "make one of them deformable, or leave the contact out: the run ends if they ever meet";
         return Err(Fault::new(between.place, message).help(help));
     }
     pair.sort_unstable();

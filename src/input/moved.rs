@@ -33,6 +33,12 @@ pub(super) static RIGID_FIELDS: &[Field] = &[
         "Angular velocity about the center: at the start (free), or in time (prescribed).",
     ),
     Field::with_default(
+        "force",
+        Form::InTime(Force),
+        ZERO,
+        "A force at the center in time (free motion only): of the part of the body that is in the domain.",
+    ),
+    Field::with_default(
         "locked",
         Form::Choice(LOCKED),
         Absent::Word("none"),

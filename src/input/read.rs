@@ -4,7 +4,7 @@ use super::error::{Outcome, SceneError};
 use super::fields::SCENE;
 use super::form::Form;
 use super::source::Source;
-use super::{build, check, validate};
+use super::{build, check, meshes, validate};
 use scene::Scene;
 use std::path::Path;
 
@@ -24,7 +24,8 @@ pub fn read(path: &Path, overrides: &[(String, String)]) -> Result<Scene, SceneE
         let help = format!("a scene is a folder with a `{FILE}`, or a TOML file");
         SceneError::elsewhere(format!("cannot read {}: {error}", file.display()), help)
     })?;
-    let mut scene = read_text(&file.display().to_string(), &text, overrides, validate::available_memory())?;
+    let from = From { file: &file.display().to_string(), folder: file.parent() };
+    let mut scene = read_from(from, &text, overrides, validate::available_memory())?;
     scene.name = name(&file);
     Ok(scene)
 }
@@ -48,6 +49,21 @@ pub fn read_text(
     overrides: &[(String, String)],
     memory: Option<usize>,
 ) -> Result<Scene, SceneError> {
+    read_from(From { file, folder: None }, text, overrides, memory)
+}
+
+/// Where a text comes from: its name, and the folder of the files that it names.
+struct From<'a> {
+    file: &'a str,
+    folder: Option<&'a Path>,
+}
+
+fn read_from(
+    From { file, folder }: From<'_>,
+    text: &str,
+    overrides: &[(String, String)],
+    memory: Option<usize>,
+) -> Result<Scene, SceneError> {
     let mut sources = vec![Source { name: file.to_owned(), text: text.to_owned() }];
     for (key, value) in overrides {
         sources.push(Source { name: "--set".into(), text: format!("{key}={value}") });
@@ -57,7 +73,8 @@ pub fn read_text(
         for (index, (key, value)) in overrides.iter().enumerate() {
             document::set(&mut root, key.trim(), value.trim(), index + 1)?;
         }
-        let root = check::complete(&root, &Form::Table(SCENE), "")?;
+        let mut root = check::complete(&root, &Form::Table(SCENE), "")?;
+        meshes::locate(&mut root, folder)?;
         let mut scene = build::scene(&root)?;
         validate::scene(&scene, &root, memory)?;
         scene.name = file.to_owned();

@@ -8,6 +8,8 @@ use scene::geometry::{Solid, direction, rotation};
 const POINT: Form = Form::Vector(Length, 3);
 const DIRECTION: Form = Form::Vector(One, 3);
 
+const UNITS: &[&str] = &["m", "cm", "mm", "um", "in"];
+
 /// A solid: a table with one key, which says what it is.
 pub(super) static SHAPE: Form = Form::One(&[
     Field::optional(
@@ -61,6 +63,24 @@ pub(super) static SHAPE: Form = Form::One(&[
             Field::required("normal", DIRECTION, "Direction out of the solid."),
         ]),
         "All points behind a plane; for bodies, only inside an intersection with something bounded.",
+    ),
+    Field::optional(
+        "mesh",
+        Form::Table(&[
+            Field::required(
+                "file",
+                Form::Text,
+                "An STL file, text or binary, beside the scene or with its whole path. \
+                Its surface is closed and turns counterclockwise as seen from outside.",
+            ),
+            Field::required("unit", Form::Choice(UNITS), "What its numbers count: the format has no unit."),
+            Field::optional(
+                "digest",
+                Form::Text,
+                "A hash of the file: another one is refused. Results of runs have it.",
+            ),
+        ]),
+        "What triangles bound.",
     ),
     Field::optional("union", Form::List(&SHAPE), "What lies in any of the shapes."),
     Field::optional("intersection", Form::List(&SHAPE), "What lies in all of the shapes."),
@@ -124,6 +144,7 @@ pub(super) fn solid(shape: &Node) -> Outcome<Solid> {
         }
         "capsule" => Solid::Capsule { ends: ends(given)?, radius: given.get("radius").number() },
         "half-space" => Solid::HalfSpace { point: point("point"), normal: unit_vector(given.get("normal"))? },
+        "mesh" => Solid::Mesh(super::meshes::read(given)?),
         "union" => Solid::Union(solids(given)?),
         "intersection" => Solid::Intersection(solids(given)?),
         "difference" => {

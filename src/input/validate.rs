@@ -1,10 +1,11 @@
 //! What a scene must fulfil as a whole: its matter lies in the domain, apart, and in memory.
 use super::document::Node;
 use super::error::{Fault, Outcome, Point};
+use super::rigid;
 use grid::Level;
 use scene::geometry::overlap;
-use scene::sampling::{cells, inside, points, sample};
-use scene::{Behavior, Body, Domain, RigidMotion, Scene};
+use scene::sampling::{cells, exposed_area, inside, points, sample};
+use scene::{Body, Domain, ForceKind, Scene};
 use std::ops::Range;
 
 /// Bytes that a particle takes in a run, with its share of the nodes: an estimate for the check of memory.
@@ -52,23 +53,15 @@ fn bodies(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
             let message = format!("there are two bodies named {:?}", body.name);
             return Err(Fault::new(node.get("name").place, message).help("give each body a name of its own"));
         }
-        rigid_start(scene, i, node)?;
-        if scene.materials[body.material].is_tool() {
-            turns_about(scene, body, node)?;
-        }
+        rigid::body(scene, i, node, root)?;
         if !scene.materials[body.material].has_particles() {
             continue;
         }
-        in_domain(&scene.domain, body, node, most)?;
+        in_domain(scene, body, node, most)?;
         particles += counted(scene, body, node, particles, most)?;
     }
-    for (m, material) in scene.materials.iter().enumerate() {
-        if matches!(material.behavior, Behavior::Rigid(_)) && scene.bodies_of(m).next().is_none() {
-            let place = root.get("material").entries()[m].place;
-            let message = format!("the rigid material {:?} has no body", material.name);
-            return Err(Fault::new(place, message).help("add a [[body]] of it, or remove it"));
-        }
-    }
+    rigid::have_bodies(scene, root)?;
+    rigid::tools_act(scene, root)?;
     for (i, body) in scene.bodies.iter().enumerate() {
         for other in &scene.bodies[..i] {
             apart(&scene.domain, other, body, &given.items()[i])?;
@@ -95,11 +88,25 @@ fn regions(scene: &Scene, root: &Node) -> Outcome<()> {
             );
         }
     }
-    Ok(())
+    let pressed = scene.forces.iter().zip(root.get("force").items());
+    pressed.filter(|(force, _)| !matches!(force.kind, ForceKind::Total(_))).try_for_each(|(force, node)| {
+        let bodies = scene.bodies.iter().enumerate().filter(|(_, body)| body.material == force.material);
+        let mut all = bodies.flat_map(|(index, body)| sample(scene, body).map(move |x| (index, x)));
+        let bears = |index, x| {
+            force.region.contains(index, x) && exposed_area(scene, index, x, force.sides) != [0.0; 3]
+        };
+        if all.any(|(index, x)| bears(index, x)) {
+            return Ok(());
+        }
+        let message = "no particle in this region lies on the surface of its material, or not on this side";
+        let place = node.find("side").or_else(|| node.find("region")).unwrap_or(node).place;
+        Err(Fault::new(place, message).help("move or enlarge the region, or name another `side`"))
+    })
 }
 
 /// All particles of the body are in the domain.
-fn in_domain(domain: &Domain, body: &Body, node: &Node, most: usize) -> Outcome<()> {
+fn in_domain(scene: &Scene, body: &Body, node: &Node, most: usize) -> Outcome<()> {
+    let domain = &scene.domain;
     let name = &body.name;
     let fault = |message: String| Fault::new(node.get("shape").place, message);
     if !body.solid.is_bounded() {
@@ -124,7 +131,10 @@ fn in_domain(domain: &Domain, body: &Body, node: &Node, most: usize) -> Outcome<
         return Err(outside(bounds.0));
     }
     fits(domain, body, node, most)?;
-    let is_out = |x: &[f64; 3]| (0..3).any(|a| x[a] < lower[a] || x[a] > upper[a]);
+    let goes_on = rigid::goes_on(scene, body);
+    let is_out = |x: &[f64; 3]| {
+        (0..3).any(|a| (x[a] < lower[a] && !goes_on[2 * a]) || (x[a] > upper[a] && !goes_on[2 * a + 1]))
+    };
     points(domain, body.particles_per_cell, &body.solid, bounds)
         .find(is_out)
         .map_or(Ok(()), |x| Err(outside(x)))
@@ -173,42 +183,6 @@ fn size(cells: &[Range<i64>; 3]) -> f64 {
 
 fn particles_of_a_cell(body: &Body) -> f64 {
     body.particles_per_cell.iter().product::<usize>() as f64
-}
-
-/// A tool that turns and has no end, or ends beyond the domain, says about what.
-fn turns_about(scene: &Scene, body: &Body, node: &Node) -> Outcome<()> {
-    let material = &scene.materials[body.material];
-    let Behavior::Rigid(RigidMotion::Prescribed { spin, center: None, .. }) = &material.behavior else {
-        return Ok(());
-    };
-    let (lower, upper) = body.solid.bounds();
-    let (from, to) = inside(&scene.domain);
-    let within = (0..3).all(|a| from[a] <= lower[a] && upper[a] <= to[a]);
-    if within || spin.0.iter().all(|(_, spin)| *spin == [0.0; 3]) {
-        return Ok(());
-    }
-    let message =
-        format!("body {:?} turns and is not wholly in the domain: about what does it turn?", body.name);
-    Err(Fault::new(node.get("shape").place, message).help(format!("set `material.{}.center`", material.name)))
-}
-
-/// Bodies of one free rigid material start with one velocity.
-fn rigid_start(scene: &Scene, index: usize, node: &Node) -> Outcome<()> {
-    let body = &scene.bodies[index];
-    let material = &scene.materials[body.material];
-    let first = scene.bodies.iter().find(|other| other.material == body.material).unwrap_or(body);
-    match material.behavior {
-        Behavior::Rigid(RigidMotion::Free { .. }) if first.velocity != body.velocity => {
-            let message = format!(
-                "bodies {:?} and {:?} of the rigid material {:?} start with different velocities",
-                first.name, body.name, material.name
-            );
-            Err(Fault::new(node.get("velocity").place, message).help(
-                "they are one rigid body: give both the same velocity, or the second a material of its own",
-            ))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// No particle of either body lies in the other.

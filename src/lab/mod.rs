@@ -3,5 +3,6 @@ pub mod bench;
 pub mod diagram;
 pub mod picture;
 pub mod plan;
+pub mod plot;
 pub mod scale;
 pub mod wound;

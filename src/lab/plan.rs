@@ -65,7 +65,7 @@ pub fn read_by_reports(scene: &Scene) -> Vec<LabelId> {
 pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
     let partition = Partition::alone(decomposition.patches.len());
     let nothing = |_| ParticleLayout::new(&SCHEMA, [], BTreeMap::new());
-    let tiles = recipes::tick(scene).tiles;
+    let tiles = recipes::tiles(scene);
     let mut warehouse = populate::empty(scene, decomposition, partition, nothing, [], &tiles);
     populate::place_bodies(scene, &mut warehouse);
     for body in scene.bodies.iter().filter(|body| scene.materials[body.material].has_particles()) {

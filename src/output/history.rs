@@ -80,6 +80,59 @@ fn quoted(text: &str) -> String {
     text.into()
 }
 
+/// A table that was written: its header, and its rows as they stand.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Table {
+    /// Names with units.
+    pub header: Vec<String>,
+    /// One entry a column.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Reads a file; half a row at its end is passed over.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(io("read", path))?;
+        let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+        let mut rows = entries(whole).into_iter();
+        let header = rows.next().unwrap_or_default();
+        Ok(Self { rows: rows.filter(|row| row.len() == header.len()).collect(), header })
+    }
+
+    /// A column as numbers, NaN where an entry is none; `None`: there is none of that name.
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        let at = self.header.iter().position(|header| header == name)?;
+        Some(self.rows.iter().map(|row| row[at].parse().unwrap_or(f64::NAN)).collect())
+    }
+}
+
+/// The entries of a text, row by row (RFC 4180).
+pub(super) fn entries(text: &str) -> Vec<Vec<String>> {
+    let (mut rows, mut row, mut entry, mut quotes) = (Vec::new(), Vec::new(), String::new(), false);
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        match c {
+            '"' if quotes && rest.peek() == Some(&'"') => entry.extend(rest.next()),
+            '"' => quotes = !quotes,
+            ',' if !quotes => row.push(std::mem::take(&mut entry)),
+            '\n' if !quotes => {
+                row.push(std::mem::take(&mut entry));
+                rows.push(std::mem::take(&mut row));
+            }
+            '\r' if !quotes => {}
+            _ => entry.push(c),
+        }
+    }
+    if !(row.is_empty() && entry.is_empty()) {
+        row.push(entry);
+        rows.push(row);
+    }
+    rows
+}
+
 /// Writes `history.csv` row by row; each row is on the disk when [`History::row`] returns.
 #[derive(Debug)]
 pub struct History {

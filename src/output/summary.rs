@@ -97,7 +97,10 @@ pub struct Energy {
     pub impact: f64,
     /// Lost in the transfer between particles and nodes.
     pub transfer: f64,
-    /// Dissipated by artificial viscosity and damping.
+    /// What internal forces do to velocities in half a step, by which these are behind positions: now, less that at the start.
+    #[serde(default)]
+    pub half_step: f64,
+    /// Dissipated by artificial viscosity.
     pub viscosity: f64,
     /// Work of boundaries, drives and gravity on the matter.
     pub boundary_work: f64,

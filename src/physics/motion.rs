@@ -64,6 +64,17 @@ impl Motion {
         Chord { center, way, rotation, duration: to - from }
     }
 
+    /// The gradient of its velocity where points are at a time, after a chord of some duration: (1 − R⁻¹)/Δt, row by row [1/s]. Nothing
+    /// has moved before time 0.
+    pub fn gradient_before(&self, time: f64, duration: f64) -> [f64; 9] {
+        let duration = duration.min(time);
+        if duration <= 0.0 {
+            return [0.0; 9];
+        }
+        let back = rotation(self.spin.integral(time - duration, time).map(|angle| -angle));
+        std::array::from_fn(|n| (f64::from(u8::from(n % 4 == 0)) - back[n]) / duration)
+    }
+
     /// The largest speed of its points within `radius` [m] of the center, from time `from` to time `to` [m/s].
     pub fn fastest(&self, from: f64, to: f64, radius: f64) -> f64 {
         self.course.fastest(from, to) + radius * self.fastest_turn(from, to)

@@ -6,6 +6,20 @@
 pub struct Table(pub Vec<(f64, [f64; 3])>);
 
 impl Table {
+    /// Whether it is ever other than zero.
+    pub fn acts(&self) -> bool {
+        self.0.iter().any(|(_, value)| *value != [0.0; 3])
+    }
+
+    /// The mean value from a time on, over a time `span` [s]; with no span, the value.
+    pub fn mean(&self, from: f64, span: f64) -> [f64; 3] {
+        match (&self.0[..], span > 0.0) {
+            ([(_, value)], _) => *value,
+            (_, true) => self.integral(from, from + span).map(|sum| sum / span),
+            (_, false) => self.at(from),
+        }
+    }
+
     /// The value at time `t` [s].
     pub fn at(&self, t: f64) -> [f64; 3] {
         let rows = &self.0;

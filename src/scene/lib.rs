@@ -118,6 +118,8 @@ pub enum RigidMotion {
         locked: [bool; 3],
         /// Axes about which it does not turn.
         locked_turns: [bool; 3],
+        /// A force at its center in time [N].
+        force: Table,
     },
     /// It moves as prescribed, whatever meets it: a tool. It is its shape, and has no particles but to be seen.
     Prescribed {

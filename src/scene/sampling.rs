@@ -1,6 +1,7 @@
 //! Particles of a body: the points of a regular lattice, aligned with the cells, that lie in its solid.
 use crate::geometry::{Bounds, Solid, cross, dot, overlap};
 use crate::{Body, Domain, FiberField, Scene};
+use physics::faces::FaceCondition;
 use std::ops::Range;
 
 /// The particles of a body [m]: in each cell of the domain `n` points along each axis, at the cell's corner plus
@@ -62,6 +63,38 @@ pub fn points(
     })
     .flat_map(cell_points)
     .filter(|x| solid.contains(*x))
+}
+
+/// N₀: the faces of the particle at `x` [m] of a body (by its index) that no other of its material covers, as far as their sides (x−, x+, …)
+/// count: what its area a = J F^(−T) N₀ is made of [m²].
+pub fn exposed_area(scene: &Scene, body: usize, x: [f64; 3], sides: [bool; 6]) -> [f64; 3] {
+    let it = &scene.bodies[body];
+    let size = it.particles_per_cell.map(|n| scene.domain.cell / n as f64);
+    let mut area = [0.0; 3];
+    for face in (0..6).filter(|&face| sides[face]) {
+        let (axis, sign) = (face / 2, if face % 2 == 1 { 1.0 } else { -1.0 });
+        let mut beside = x;
+        beside[axis] += sign * size[axis];
+        if is_matter(scene, it.material, beside) {
+            continue;
+        }
+        let across = size[(axis + 1) % 3] * size[(axis + 2) % 3];
+        // with F = diag λ: N₀ = a λ / J
+        let j: f64 = it.stretch.iter().product();
+        area[axis] += sign * across * it.stretch[axis] / j;
+    }
+    area
+}
+
+/// Whether there is matter of a material, or its image beyond a face.
+fn is_matter(scene: &Scene, material: usize, x: [f64; 3]) -> bool {
+    let (lower, upper) = inside(&scene.domain);
+    let beyond = (0..6).any(|face| {
+        let axis = face / 2;
+        let out = if face % 2 == 0 { x[axis] < lower[axis] } else { x[axis] > upper[axis] };
+        out && scene.faces[face].image().is_some()
+    });
+    beyond || scene.bodies_of(material).any(|body| body.solid.contains(x))
 }
 
 /// The box of the domain, which the lattice does not leave.

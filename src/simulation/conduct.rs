@@ -60,20 +60,19 @@ impl Conductor for Direction<'_> {
             self.check_step(&before)?;
         }
         fault::find(self.scene, warehouse, before.time, self.step).map_or(Ok(()), Err)?;
-        if ticks {
-            self.ledger.add_step(&warehouse.shared);
-        }
+        self.ledger.add(graph, &warehouse.shared);
         self.count(relocation, &warehouse.materials)
     }
 
     fn looped(
         &mut self,
-        _loop: &Loop,
+        looped: &Loop,
         rounds: u64,
         enough: bool,
         _warehouse: &Warehouse,
     ) -> Result<(), RunError> {
-        if enough { Ok(()) } else { Err(RunError::Rounds { rounds, step: self.step }) }
+        let until = looped.until.name();
+        if enough { Ok(()) } else { Err(RunError::Rounds { until, rounds, step: self.step }) }
     }
 }
 

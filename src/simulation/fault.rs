@@ -8,8 +8,8 @@ use engine::schema::Label;
 use grid::Level;
 use scene::Scene;
 use simd::Wide;
-use tasks::fault::INVERTED;
-use tasks::labels;
+use tasks::fault::{INVERTED, MEETS};
+use tasks::{labels, recipes};
 
 /// Why a run could not begin or had to stop.
 #[derive(Debug, thiserror::Error)]
@@ -28,10 +28,12 @@ pub enum RunError {
     Checkpoint(#[from] crate::output::Error),
     /// A loop that did not end.
     #[error(
-        "the ticks of step {step} did not end after {rounds}. This is an error in Sinew, please report it"
+        "in step {step} a loop until {until} did not end after {rounds} rounds. This is an error in Sinew, please report it"
     )]
     Rounds {
-        /// Ticks taken.
+        /// The label that would end it.
+        until: &'static str,
+        /// Rounds taken.
         rounds: u64,
         /// The step.
         step: u64,
@@ -94,6 +96,23 @@ pub enum RunError {
         /// What to do.
         remedy: &'static str,
     },
+    /// A free rigid body that got into something rigid.
+    #[error(
+        "the free rigid body {body} meets {other} at ({}) mm, t = {time:.6e} s, step {step}: contact between rigid things is not modelled. Make one of them deformable, keep them apart, or end the run before",
+        millimeters(position)
+    )]
+    Meets {
+        /// The body.
+        body: String,
+        /// Whom it meets.
+        other: String,
+        /// Where [m].
+        position: [f64; 3],
+        /// When [s].
+        time: f64,
+        /// The step.
+        step: u64,
+    },
     /// A particle left the domain although the scene forbids it.
     #[error(
         "particle {identity} of {material} left the domain at ({}) mm from patch {patch}, task Relocate, t = {time:.6e} s ({others} more in this step). Enlarge the domain, or set run.leaving = \"delete\"",
@@ -142,6 +161,13 @@ pub fn find(scene: &Scene, warehouse: &Warehouse, time: f64, step: u64) -> Optio
     let (material, line) =
         faults.filter(|(_, line)| line[0].is_finite()).min_by(|a, b| a.1[0].total_cmp(&b.1[0]))?;
     let [identity, kind, value, x, y, z, ..] = line;
+    if kind == MEETS {
+        let other = recipes::obstacles(scene)
+            .get(value as usize)
+            .map_or_else(String::new, |(who, _)| who.name(scene));
+        let body = scene.materials[material].name.clone();
+        return Some(RunError::Meets { body, other, position: [x, y, z], time, step });
+    }
     let (what, task, remedy) = if kind == INVERTED {
         let remedy = "The material is crushed or torn beyond what its law describes: lower run.cfl, refine, or give the \
                       material a policy (inversion = \"fail\" for tissue)";

@@ -1,4 +1,5 @@
 //! Accounts of energy and momentum over a run.
+use super::half_step::HalfStep;
 use super::populate::declared;
 use super::report::{Energies, FirstEvent, GiverReport, MaterialReport, Report, as_one};
 use engine::data::exact_sum::ExactSum;
@@ -6,6 +7,7 @@ use engine::data::rates::Clock;
 use engine::data::shared::Shared;
 use engine::data::warehouse::{MaterialData, Warehouse};
 use engine::exec::traveler::Traveler;
+use engine::graph::build::TaskGraph;
 use engine::schema::{Label, LabelId};
 use physics::law::{MAX_COUNTS, MAX_EVENTS, MAX_HISTORY};
 use scene::{Behavior, RigidMotion, Scene};
@@ -33,6 +35,7 @@ pub struct Ledger {
     friction: f64,
     impact: f64,
     transfer: f64,
+    half_step: HalfStep,
     /// What each giver has given: the numbers of its tile of `Reactions`.
     given: Vec<[f64; NUMBERS]>,
     /// Σ |work| of what gives from outside, step by step [J].
@@ -57,6 +60,7 @@ impl Ledger {
         self.most = self.initial_energy;
         self.initial_spin = report.angular_momentum();
         self.first = vec![[None; MAX_EVENTS]; report.materials.len()];
+        self.half_step = HalfStep::new(report.materials.len());
     }
 
     /// The totals as numbers, for a checkpoint.
@@ -65,6 +69,7 @@ impl Ledger {
         numbers.extend([f64::from_bits(self.deleted), self.deleted_energy, f64::from_bits(self.reflected)]);
         numbers.extend([self.row.0, self.turned, self.most]);
         numbers.extend(self.initial_spin);
+        numbers.extend(self.half_step.numbers());
         numbers.extend(self.given.iter().chain(&self.row.1).flatten());
         for first in self.first.iter().flatten() {
             numbers.extend(first.map_or([f64::NAN; 5], |f| {
@@ -80,6 +85,7 @@ impl Ledger {
         let [initial_energy, friction, impact, transfer, deleted, deleted_energy, reflected, rest_of @ ..] =
             *totals;
         let [row, turned, most, initial_spin @ ..] = rest_of;
+        let (half_step, rest) = rest.split_at_checked(3 + materials)?;
         let (given, events) = rest.split_at_checked(2 * givers * NUMBERS)?;
         let (given, at_row) = given.as_chunks::<NUMBERS>().0.split_at(givers);
         let first = |&[time, particle, x, y, z]: &[f64; 5]| {
@@ -89,7 +95,9 @@ impl Ledger {
         let (events, left) = events.as_chunks::<5>();
         let (events, more) = events.as_chunks::<MAX_EVENTS>();
         let whole = left.is_empty() && more.is_empty() && events.len() == materials;
+        let half_step = HalfStep::from_numbers(half_step)?;
         whole.then(|| Self {
+            half_step,
             initial_energy,
             initial_spin,
             friction,
@@ -106,18 +114,35 @@ impl Ledger {
         })
     }
 
-    /// Adds what the last step exchanged.
-    pub fn add_step(&mut self, shared: &Shared) {
-        let work: [ExactSum; 2] = shared.get(labels::ContactWork::ID, 0);
-        self.friction += work[0].value();
-        self.impact += work[1].value();
-        self.transfer += shared.get::<ExactSum>(labels::TransferLoss::ID, 0).value();
+    /// Adds what a graph has just summed up.
+    pub fn add(&mut self, graph: &TaskGraph, shared: &Shared) {
+        if graph.computes(labels::ContactWork::ID) {
+            let work: [ExactSum; 2] = shared.get(labels::ContactWork::ID, 0);
+            self.friction += work[0].value();
+            self.impact += work[1].value();
+        }
+        if graph.computes(labels::TransferLoss::ID) {
+            self.transfer += shared.get::<ExactSum>(labels::TransferLoss::ID, 0).value();
+        }
+        self.half_step.add(graph, shared);
+        if graph.computes(labels::Reactions::ID) {
+            self.add_reactions(shared);
+        }
+        if graph.computes(labels::FirstEvent::ID) {
+            self.add_events(shared);
+        }
+    }
+
+    fn add_reactions(&mut self, shared: &Shared) {
         let tiles: &[[ExactSum; NUMBERS]] = bytemuck::cast_slice(shared.column(labels::Reactions::ID));
         for (given, tile) in self.given.iter_mut().zip(tiles) {
             let before = given[NUMBERS - 1];
             given.iter_mut().zip(tile).for_each(|(total, sum)| *total += sum.value());
             self.turned += (given[NUMBERS - 1] - before).abs();
         }
+    }
+
+    fn add_events(&mut self, shared: &Shared) {
         for (material, known) in self.first.iter_mut().enumerate() {
             let lines: [Wide; MAX_EVENTS] = shared.get(labels::FirstEvent::ID, material);
             for (known, line) in
@@ -153,6 +178,10 @@ impl Ledger {
                 impulse: vector(0),
                 torque_impulse: vector(3),
                 work: now[6],
+                displacement: match giver {
+                    Giver::Drive(drive) => Some(scene.drives[drive].motion.course.way(0.0, time)),
+                    _ => None,
+                },
                 force: [0, 1, 2].map(rate),
                 torque: [3, 4, 5].map(rate),
             }
@@ -189,7 +218,8 @@ impl Ledger {
             materials: (0..scene.materials.len()).map(|m| self.material(scene, warehouse, m)).collect(),
             friction: self.friction,
             impact: self.impact,
-            transfer: self.transfer,
+            transfer: self.transfer + self.half_step.transfer(),
+            half_step: self.half_step.ahead(),
             boundary_work,
             boundary_impulse,
             givers,
@@ -200,8 +230,8 @@ impl Ledger {
             spin_lost: [0.0; 3],
             turnover: 0.0,
         };
-        let lost = self.friction + self.impact + self.transfer + self.deleted_energy;
-        let now = report.energy().total() + lost;
+        let lost = report.friction + report.impact + report.transfer + report.deleted_energy;
+        let now = report.energy().total() + report.half_step + lost;
         report.residual = self.initial_energy + boundary_work - now;
         let given = |a: usize| {
             let outside = report.givers.iter().filter(|it| it.giver.is_outside());

@@ -4,6 +4,7 @@ mod checkpoint;
 mod conduct;
 pub mod failures;
 pub mod fault;
+mod half_step;
 mod hash;
 pub mod layout;
 mod leaving;
@@ -48,6 +49,8 @@ const WANTED: &[LabelId] = &[
     labels::ContactWork::ID,
     labels::Reactions::ID,
     labels::TransferLoss::ID,
+    labels::ForceWork::ID,
+    labels::StressWork::ID,
     labels::BlockExtent::ID,
 ];
 
@@ -138,7 +141,7 @@ impl Simulation {
         let report = Script::Graph("report", recipes::report(&scene));
         let report_program = Program::build("report", vec![report], ledger::REPORTED, patches)?;
         let labels = |material| populate::layout_of(&scene, &program, material);
-        let tiles = &program.main_graph().recipe.tiles;
+        let tiles = &recipes::tiles(&scene);
         let mut warehouse =
             populate::empty(&scene, decomposition, partition, labels, program.labels(), tiles);
         fill(&scene, &mut warehouse)?;
@@ -262,7 +265,7 @@ impl Simulation {
     /// A file that cannot be written, or a rank that is gone.
     pub fn write_trace(&mut self, path: &Path) -> output::Result<()> {
         let Self { engine, program, network, .. } = self;
-        let written = output::trace::write(path, program.main_graph(), engine.trace(), &mut **network);
+        let written = output::trace::write(path, &program.graphs(), engine.trace(), &mut **network);
         output::together::agree(&mut **network, written)
     }
 

@@ -219,7 +219,7 @@ fn start_rigid(scene: &Scene, warehouse: &mut Warehouse, material: usize) {
         second += Matrix3::from_diagonal(&(m / 12.0 * own));
     }
     let (center, velocity, angular, free) = match motion {
-        RigidMotion::Free { angular_velocity, locked, locked_turns } => {
+        RigidMotion::Free { angular_velocity, locked, locked_turns, .. } => {
             let held =
                 |v: [f64; 3], locked: &[bool; 3]| std::array::from_fn(|a| if locked[a] { 0.0 } else { v[a] });
             let (v, w) = (held((momentum / mass).into(), locked), held(*angular_velocity, locked_turns));

@@ -92,6 +92,8 @@ pub struct GiverReport {
     pub torque_impulse: [f64; 3],
     /// Work so far [J]; not of contacts, whose losses are accounts of their own.
     pub work: f64,
+    /// How far the center of a drive has gone [m].
+    pub displacement: Option<[f64; 3]>,
     /// Mean force since the last row of the history [N].
     pub force: [f64; 3],
     /// Mean torque about the origin since then [N m].
@@ -117,6 +119,8 @@ pub struct Report {
     pub impact: f64,
     /// Kinetic energy lost in the transfer between particles and nodes so far [J].
     pub transfer: f64,
+    /// What internal forces do to velocities in half a step, by which they are behind positions; now, less that at the start [J].
+    pub half_step: f64,
     /// Who has given what.
     pub givers: Vec<GiverReport>,
     /// Work of boundaries, drives and loads so far [J].
@@ -129,7 +133,7 @@ pub struct Report {
     pub deleted: u64,
     /// How often a particle was put back into the domain.
     pub reflected: u64,
-    /// What the accounts do not explain [J]: initial energy + boundary work − all energy now.
+    /// What the accounts do not explain [J]: initial energy + boundary work − all energy now, with `half_step`.
     pub residual: f64,
     /// Angular momentum about the origin that the transfer between particles and nodes has taken so far [N m s]: what there was and what
     /// all torques gave, without what there is.

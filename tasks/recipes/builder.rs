@@ -21,9 +21,6 @@ use crate::mirror::Mirror;
 use crate::pic::Pic;
 use crate::reflection::Reflection;
 use crate::rigid::follow::Follow;
-use crate::rigid::motion::RigidMotion;
-use crate::rigid::plan::RigidPlan;
-use crate::rigid::velocity::RigidVelocity;
 use crate::stress::Stress;
 use crate::viscosity::Viscosity;
 use crate::weights::Weights;
@@ -31,12 +28,12 @@ use engine::data::extent::Bases;
 use engine::data::fields::Fields;
 use engine::graph::recipe::Recipe;
 use engine::graph::task::Runnable;
-use engine::schema::Label;
+use engine::schema::{Label, Tiles};
 use grid::Lattice;
 use physics::faces::FaceCondition;
 use physics::law::Law;
 use physics::materials::{AnyLaw, WithLaw};
-use scene::{Behavior, ForceKind, Leaving, Rates, RigidMotion as Motion, Scene, ShapeFunction};
+use scene::{Behavior, ForceKind, Leaving, Rates, Scene, ShapeFunction};
 use shapes::gimp::Gimp;
 use shapes::linear::Linear;
 
@@ -44,7 +41,6 @@ use shapes::linear::Linear;
 pub(super) struct Builder<'a> {
     pub(super) scene: &'a Scene,
     recipe: Recipe,
-    pub(super) rigid: Vec<bool>,
     pub(super) lattice: Lattice,
     pub(super) givers: Givers,
     /// Far below the mass of any particle at any node that it touches noticeably.
@@ -56,12 +52,11 @@ impl<'a> Builder<'a> {
         let materials = scene.materials.iter().map(|m| m.name.clone()).collect();
         let lightest = scene.materials.iter().map(|m| m.density).fold(f64::INFINITY, f64::min);
         let (givers, mut recipe) = (Givers::of(scene), Recipe::new(&SCHEMA, materials));
-        recipe.tiles(Reactions::ID, givers.0.len());
+        recipe.tiles = tiles(scene);
         Self {
             scene,
             recipe,
             givers,
-            rigid: rigid(scene),
             lattice: Lattice { lower: scene.domain.lower, cell: scene.domain.cell },
             least_mass: 1e-14 * lightest * scene.domain.cell.powi(3),
         }
@@ -78,6 +73,11 @@ impl<'a> Builder<'a> {
     /// A task over the nodes of all materials, or once a step.
     pub(super) fn all(&mut self, because: &str, task: impl Runnable + 'static) {
         self.recipe.all(because, task);
+    }
+
+    /// The materials that are not rigid.
+    pub(super) fn deformable(&self) -> impl Iterator<Item = usize> + use<> {
+        rigid(self.scene).into_iter().enumerate().filter(|(_, rigid)| !rigid).map(|(material, _)| material)
     }
 
     pub(super) fn timestep_size(&mut self) {
@@ -97,17 +97,6 @@ impl<'a> Builder<'a> {
 
     fn bases(&self, material: usize) -> Bases {
         Bases { inverse_cell: self.inverse_cell(), half_size: half_size(self.scene, material) }
-    }
-
-    pub(super) fn rigid_plan(&mut self) {
-        let prescribed = self.scene.materials.iter().map(|m| match &m.behavior {
-            Behavior::Rigid(Motion::Prescribed { course, spin, .. }) => Some((course.clone(), spin.clone())),
-            _ => None,
-        });
-        let prescribed: Vec<_> = prescribed.collect();
-        if prescribed.iter().any(Option::is_some) {
-            self.all("material", RigidPlan { prescribed });
-        }
     }
 
     pub(super) fn weights(&mut self, material: usize) {
@@ -138,7 +127,7 @@ impl<'a> Builder<'a> {
         if images.is_empty() {
             return;
         }
-        let pic = if self.rigid[material] { Pic::default() } else { self.pic() };
+        let pic = self.pic();
         self.add(material, "boundary", Fold { images: images.clone(), tiles, lattice, pic });
         if self.touches(material) {
             self.add(material, "boundary", FoldSurfaces { images: images.clone(), lattice });
@@ -155,40 +144,27 @@ impl<'a> Builder<'a> {
         }
     }
 
-    pub(super) fn rigid_velocity(&mut self) {
-        if self.free().contains(&true) {
-            let task = RigidVelocity { lattice: self.lattice, rigid: self.free() };
-            self.all("material", task);
-        }
-    }
-
     /// What acts everywhere, if the scene has it.
     fn field(&self) -> Option<LoadField> {
         self.scene.loads.acts().then(|| self.load_field())
     }
 
-    fn load_field(&self) -> LoadField {
+    pub(super) fn load_field(&self) -> LoadField {
         let scene::Loads { gravity, damping, local_damping } = self.scene.loads.clone();
         LoadField { gravity, damping, local: local_damping }
     }
 
     pub(super) fn loads(&mut self) {
         if let Some(field) = self.field() {
-            let task = Loads { field, least_mass: self.least_mass, rigid: self.rigid.clone() };
+            let task = Loads { field, least_mass: self.least_mass };
             self.all("load", task);
         }
     }
 
     pub(super) fn load_power(&mut self) {
-        if let Some(field) = self.field() {
-            let task = LoadPower {
-                field,
-                tile: self.givers.tile(Giver::Loads).unwrap_or(0),
-                lattice: self.lattice,
-                least_mass: self.least_mass,
-                rigid: self.rigid.clone(),
-            };
-            self.all("load", task);
+        if self.scene.loads.acts() {
+            let tile = self.givers.tile(Giver::Loads).unwrap_or(0);
+            self.all("load", LoadPower { tile, lattice: self.lattice });
         }
     }
 
@@ -199,29 +175,9 @@ impl<'a> Builder<'a> {
                 tiles: self.tiles_of_faces(),
                 lattice: self.lattice,
                 cells: self.scene.domain.cells,
-                rigid: self.rigid.clone(),
             };
             self.all("boundary", task);
         }
-    }
-
-    /// Which materials are rigid bodies that contact moves.
-    pub(super) fn free(&self) -> Vec<bool> {
-        let free = |m: &scene::Material| matches!(m.behavior, Behavior::Rigid(Motion::Free { .. }));
-        self.scene.materials.iter().map(free).collect()
-    }
-
-    pub(super) fn rigid_motion(&mut self) {
-        let locked = self.scene.materials.iter().map(|m| match m.behavior {
-            Behavior::Rigid(Motion::Free { locked, locked_turns, .. }) => (locked, locked_turns),
-            _ => Default::default(),
-        });
-        let task = RigidMotion {
-            field: self.load_field(),
-            locked: locked.collect(),
-            loads: self.givers.tile(Giver::Loads),
-        };
-        self.all("material", task);
     }
 
     pub(super) fn stress(&mut self, material: usize, law: &AnyLaw) {
@@ -331,7 +287,14 @@ pub(super) fn rigid(scene: &Scene) -> Vec<bool> {
     scene.materials.iter().map(|m| matches!(m.behavior, Behavior::Rigid(_))).collect()
 }
 
-/// The velocity fields of a scene: one for each material.
+/// How many tiles labels have where the scene decides about it.
+pub fn tiles(scene: &Scene) -> Tiles {
+    let mut tiles = Tiles::default();
+    tiles.set(Reactions::ID, Givers::of(scene).0.len());
+    tiles
+}
+
+/// The velocity fields of a scene: one for each deformable material.
 pub fn fields(scene: &Scene) -> Fields {
-    Fields::new(scene.materials.iter().map(|_| 1))
+    Fields::new(rigid(scene).into_iter().map(|rigid| usize::from(!rigid)))
 }

@@ -1,7 +1,7 @@
 //! The lines of contact, of bonds and of tools.
 use super::builder::{Builder, fields, half_size, spacing};
 use super::givers::Giver;
-use super::tools::{meets_tools, tools};
+use super::tools::{is_free, meets_tools, tools};
 use crate::bond_flow::BondFlow;
 use crate::break_bond::BreakBond;
 use crate::contact::{Contact, FieldPair};
@@ -9,12 +9,12 @@ use crate::contact_begin::ContactBegin;
 use crate::contact_flow::ContactFlow;
 use crate::contact_power::ContactPower;
 use crate::contact_scatter::ContactScatter;
-use crate::rigid::contact::RigidContact;
 use crate::tool_scatter::ToolScatter;
 use crate::tools::Tools;
 use engine::data::fields::FieldId;
 use physics::contact::ContactLaw;
 use physics::contact::surface::SurfaceTable;
+use scene::Behavior;
 
 impl<'a> Builder<'a> {
     /// Whether the particles of a material meet those of others.
@@ -34,11 +34,11 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Contacts between materials that both have particles, with their numbers.
+    /// Contacts between deformable materials, with their numbers.
     fn meetings(&self) -> impl Iterator<Item = (usize, &'a scene::Contact)> + use<'a> {
         let scene = self.scene;
-        let tool = move |c: &scene::Contact| c.between.iter().any(|&m| scene.materials[m].is_tool());
-        scene.contacts.iter().enumerate().filter(move |(_, c)| !tool(c))
+        let rigid = move |m: &usize| matches!(scene.materials[*m].behavior, Behavior::Rigid(_));
+        scene.contacts.iter().enumerate().filter(move |(_, c)| !c.between.iter().any(rigid))
     }
 
     /// What the particles of a material tell of its surface, where something is near.
@@ -58,7 +58,8 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn tools(&mut self) {
-        let tools = tools(self.scene, &self.givers);
+        let mut tools = tools(self.scene, &self.givers);
+        tools.retain(|tool| !tool.body().is_some_and(|m| is_free(self.scene, m)));
         if !tools.is_empty() {
             let (lattice, least_mass, surfaces) = (self.lattice, self.least_mass, self.surface_tables());
             self.all("contact", Tools { tools, lattice, least_mass, surfaces });
@@ -66,7 +67,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Where the surface of each material lies.
-    fn surface_tables(&self) -> Vec<SurfaceTable> {
+    pub(super) fn surface_tables(&self) -> Vec<SurfaceTable> {
         let table = |m: usize| {
             let mean = |numbers: [f64; 3]| numbers.iter().sum::<f64>() / 3.0;
             SurfaceTable::new(0.5 * mean(spacing(self.scene, m)), mean(half_size(self.scene, m)))
@@ -95,15 +96,10 @@ impl<'a> Builder<'a> {
             pairs: self.field_pairs(),
             lattice: self.lattice,
             least_mass: self.least_mass,
-            rigid: self.rigid.clone(),
             surfaces: self.surface_tables(),
             interpolated,
         };
-        if self.free().contains(&true) {
-            self.all("contact", RigidContact(task));
-        } else {
-            self.all("contact", task);
-        }
+        self.all("contact", task);
     }
 
     /// The pairs of fields that touch: of two materials in contact, each field of one and each of the other.

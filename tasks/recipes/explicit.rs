@@ -1,19 +1,19 @@
 //! One explicit step of the material point method (USL).
+use super::bodies::{accelerations, pushes};
 use super::builder::{Builder, rigid};
 use super::tools::movers;
 use crate::clock::AdvanceClock;
 use crate::gather::Gather;
 use crate::grid_power::GridPower;
 use crate::integrate::Integrate;
-use crate::labels::StepOver;
+use crate::labels::{RigidSolved, StepOver};
 use crate::mass_flow::MassFlow;
 use crate::nodal_velocity::NodalVelocity;
-use crate::rigid::flow::RigidFlow;
 use crate::scatter::Scatter;
 use crate::signal_speed::SignalSpeed;
 use crate::stress_flow::StressFlow;
+use crate::stress_work::StressWork;
 use crate::timestep_size::TimestepSize;
-use engine::graph::recipe::Recipe;
 use engine::program::Script;
 use engine::schema::Label;
 use scene::{Behavior, Rates, Scene};
@@ -24,51 +24,79 @@ pub fn step(scene: &Scene) -> Vec<Script> {
         Rates::Common => 1,
         Rates::PerMaterial { most } => most.into(),
     };
-    vec![Script::Loop { body: vec![Script::Graph("tick", tick(scene))], until: StepOver::ID, most }]
+    vec![Script::Loop { body: tick(scene), until: StepOver::ID, most }]
 }
 
-/// A tick: the step of the fastest material, and a part of the steps of slower ones.
-pub fn tick(scene: &Scene) -> Recipe {
+/// The most rounds of a search for the motion of free rigid bodies: two or three are usual.
+const ROUNDS: u64 = 60;
+
+/// A tick: the step of the fastest material, and a part of the steps of slower ones. Where contact moves rigid bodies, their motion is
+/// searched for in between.
+fn tick(scene: &Scene) -> Vec<Script> {
     let mut recipe = Builder::new(scene);
+    particles_to_nodes(&mut recipe);
+    forces_on_nodes(&mut recipe);
+    if !pushes(scene) {
+        nodes_to_particles(&mut recipe);
+        return vec![Script::Graph("tick", recipe.finish())];
+    }
+    let [mut round, mut rest] = [Builder::new(scene), Builder::new(scene)];
+    round.rigid_round();
+    nodes_to_particles(&mut rest);
+    let search = vec![Script::Graph("search", round.finish())];
+    vec![
+        Script::Graph("tick", recipe.finish()),
+        Script::Loop { body: search, until: RigidSolved::ID, most: ROUNDS },
+        Script::Graph("rest of the tick", rest.finish()),
+    ]
+}
+
+/// What particles give to nodes.
+fn particles_to_nodes(recipe: &mut Builder<'_>) {
     recipe.timestep_size();
     recipe.rigid_plan();
     recipe.reflection();
-    for m in (0..scene.materials.len()).filter(|&m| !scene.materials[m].is_tool()) {
+    for m in recipe.deformable() {
         recipe.weights(m);
-        match &scene.materials[m].behavior {
-            Behavior::Deformable(_) => {
-                recipe.add(m, "", MassFlow);
-                recipe.add(m, "", StressFlow);
-            }
-            Behavior::Rigid(_) => recipe.add(m, "material", RigidFlow),
-        }
+        recipe.add(m, "", MassFlow);
+        recipe.add(m, "", StressFlow);
         recipe.add(m, "", Scatter);
         recipe.force_scatter(m);
         recipe.drive_scatter(m);
         recipe.surfaces(m);
         recipe.fold(m);
     }
+}
 
+/// What moves nodes, but for free rigid bodies.
+fn forces_on_nodes(recipe: &mut Builder<'_>) {
+    if recipe.deformable().next().is_none() {
+        return;
+    }
     recipe.all("", NodalVelocity { least_mass: recipe.least_mass });
-    recipe.rigid_velocity();
     recipe.contact_begin();
     recipe.contact(true);
     recipe.all("", Integrate { least_mass: recipe.least_mass });
     recipe.loads();
-    recipe.rigid_velocity();
     recipe.contact(false);
     recipe.tools();
-    recipe.drive_nodes();
-    recipe.boundary();
-    recipe.contact_power();
-    recipe.load_power();
-    recipe.all("", GridPower { rigid: recipe.rigid.clone() });
-    if recipe.rigid.contains(&true) {
-        recipe.rigid_motion();
-    }
+    recipe.rigid_sites();
+}
 
-    for m in 0..scene.materials.len() {
-        match &scene.materials[m].behavior {
+/// What free rigid bodies and conditions do to nodes, and how particles follow.
+fn nodes_to_particles(recipe: &mut Builder<'_>) {
+    if recipe.deformable().next().is_some() {
+        recipe.rigid_push();
+        recipe.drive_nodes();
+        recipe.boundary();
+        recipe.contact_power();
+        recipe.load_power();
+        recipe.all("", GridPower);
+    }
+    recipe.rigid_motion();
+    recipe.rigid_apart();
+    for m in 0..recipe.scene.materials.len() {
+        match &recipe.scene.materials[m].behavior {
             Behavior::Deformable(law) => {
                 recipe.mirror(m);
                 recipe.weights(m);
@@ -77,16 +105,16 @@ pub fn tick(scene: &Scene) -> Recipe {
                 recipe.force_power(m);
                 recipe.stress(m, law);
                 recipe.viscosity(m);
+                recipe.add(m, "", StressWork);
                 recipe.drive(m);
                 recipe.advance(m);
                 recipe.add(m, "", SignalSpeed);
             }
-            Behavior::Rigid(_) if scene.materials[m].has_particles() => recipe.follow(m),
+            Behavior::Rigid(_) if recipe.scene.materials[m].has_particles() => recipe.follow(m),
             Behavior::Rigid(_) => {}
         }
     }
     recipe.all("", AdvanceClock);
-    recipe.finish()
 }
 
 /// What decides about the steps of the materials.
@@ -108,6 +136,7 @@ pub fn timestep_size(scene: &Scene) -> TimestepSize {
         movers: movers(scene),
         gravity: scene.loads.gravity.clone(),
         falls: scene.materials.iter().map(falls).collect(),
+        pushes: accelerations(scene),
         rigid: rigid(scene),
     }
 }

@@ -13,7 +13,8 @@ pub enum Giver {
     Force(usize),
     /// A drive, by its index in the scene.
     Drive(usize),
-    /// A rigid material whose motion is prescribed: what holds it gives to the matter, through it.
+    /// A rigid material that is held: where its motion is prescribed, what holds it gives to the matter, through it; where it is free, its
+    /// force and its locks give to it.
     Rigid(usize),
     /// A contact, by its index in the scene: what the second material gives to the first one.
     Contact(usize),
@@ -56,9 +57,14 @@ impl Givers {
         let faces = (0..6)
             .filter(|&face| reflects || scene.faces[face].acts() || scene.faces[face].wall().is_some())
             .map(Giver::Face);
-        let rigid = scene.materials.iter().enumerate().filter(|(_, material)| {
-            matches!(material.behavior, Behavior::Rigid(RigidMotion::Prescribed { .. }))
-        });
+        let held = |material: &scene::Material| match &material.behavior {
+            Behavior::Rigid(RigidMotion::Prescribed { .. }) => true,
+            Behavior::Rigid(RigidMotion::Free { locked, locked_turns, force, .. }) => {
+                locked.contains(&true) || locked_turns.contains(&true) || force.acts()
+            }
+            Behavior::Deformable(_) => false,
+        };
+        let rigid = scene.materials.iter().enumerate().filter(|(_, material)| held(material));
         let all = faces.chain(scene.loads.acts().then_some(Giver::Loads));
         let all = all.chain((0..scene.forces.len()).map(Giver::Force));
         let all = all.chain((0..scene.drives.len()).map(Giver::Drive));

@@ -19,5 +19,6 @@ pub fn start(scene: &Scene) -> Recipe {
             Behavior::Rigid(_) => {}
         }
     }
+    recipe.rigid_apart();
     recipe.finish()
 }

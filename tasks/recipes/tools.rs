@@ -1,16 +1,17 @@
 //! Tools and walls of a scene: what pushes matter, whatever the matter does.
 use super::givers::{Giver, Givers};
 use crate::timestep_size::Mover;
-use crate::tools::{Meeting, Pose, Tool};
-use physics::faces::FaceCondition;
-use physics::motion::Motion;
+use crate::tool::{Meeting, Pose, Tool};
+use physics::faces::{FaceCondition, Image};
+use physics::motion::{Course, Motion};
 use physics::solid::Solid;
 use physics::table::Table;
+use scene::sampling::inside;
 use scene::{Behavior, Region, RigidMotion, Scene};
 
-/// All tools and walls.
+/// All tools and walls: what is prescribed, and free rigid bodies.
 pub fn tools(scene: &Scene, givers: &Givers) -> Vec<Tool> {
-    let bodies = (0..scene.materials.len()).filter(|&m| scene.materials[m].is_tool());
+    let bodies = (0..scene.materials.len()).filter(|&m| is_rigid(scene, m));
     let bodies = bodies.map(|m| Tool {
         shape: scene.shape(m),
         pose: Pose::Body(m),
@@ -30,9 +31,48 @@ pub fn tools(scene: &Scene, givers: &Givers) -> Vec<Tool> {
     bodies.chain(walls).filter(|tool| !tool.meets.is_empty()).collect()
 }
 
-/// Whether tools or walls may meet a material.
+/// All that a free rigid body may meet, by who would hold it: rigid materials, and faces that matter does not pass, but for mirrors that
+/// cut a free body, which is locked along them.
+pub fn obstacles(scene: &Scene) -> Vec<(Giver, Tool)> {
+    let tool = |shape, pose| Tool { shape, pose, tile: 0, meets: Vec::new() };
+    let bodies = (0..scene.materials.len()).filter(|&m| is_rigid(scene, m));
+    let bodies = bodies.map(|m| (Giver::Rigid(m), tool(scene.shape(m), Pose::Body(m))));
+    let faces = (0..6).filter(|&face| !is_open(scene, face) && !cuts_a_body(scene, face));
+    let faces = faces.map(|face| {
+        let course = scene.faces[face].wall().map_or_else(Course::rest, |wall| wall.course);
+        (Giver::Face(face), tool(outside(scene, face), Pose::Course(course)))
+    });
+    bodies.chain(faces).collect()
+}
+
+fn is_open(scene: &Scene, face: usize) -> bool {
+    let face = &scene.faces[face];
+    !face.acts() && face.image().is_none() && face.wall().is_none()
+}
+
+fn cuts_a_body(scene: &Scene, face: usize) -> bool {
+    let ((lower, upper), axis) = (inside(&scene.domain), face / 2);
+    let near = 1e-6 * scene.domain.cell;
+    let reaches = |m: usize| {
+        let (from, to) = scene.shape(m).bounds();
+        if face.is_multiple_of(2) { from[axis] <= lower[axis] + near } else { to[axis] >= upper[axis] - near }
+    };
+    let mirror = scene.faces[face].image() == Some(Image::Mirror);
+    mirror && (0..scene.materials.len()).any(|m| is_free(scene, m) && reaches(m))
+}
+
+fn is_rigid(scene: &Scene, material: usize) -> bool {
+    matches!(scene.materials[material].behavior, Behavior::Rigid(_))
+}
+
+/// Whether a material is a rigid body that contact moves.
+pub fn is_free(scene: &Scene, material: usize) -> bool {
+    matches!(scene.materials[material].behavior, Behavior::Rigid(RigidMotion::Free { .. }))
+}
+
+/// Whether tools, walls or rigid bodies may meet a material.
 pub fn meets_tools(scene: &Scene, material: usize) -> bool {
-    let tool = |other: usize| scene.materials[other].is_tool();
+    let tool = |other: usize| is_rigid(scene, other);
     let walls = || scene.faces.iter().any(|face| face.wall().is_some());
     let contact = |c: &scene::Contact| c.between.contains(&material) && c.between.iter().any(|&m| tool(m));
     deformable(scene).any(|m| m == material) && (walls() || scene.contacts.iter().any(contact))

@@ -14,17 +14,20 @@ pub fn momentum(body: &RigidState) -> Vector3<f64> {
     inertia(body) * Vector3::from(body.angular)
 }
 
-/// Turns a body that is locked about some axes: ω_f = I_ff⁻¹ L_f about the free ones.
-pub fn turn_locked(body: &mut RigidState, l: Vector3<f64>, dt: f64, locked: [bool; 3]) {
+/// The angular velocity [rad/s] that belongs to an angular momentum: ω_f = I_ff⁻¹ L_f about the axes that are not locked.
+pub fn spin_of(body: &RigidState, l: Vector3<f64>, locked: [bool; 3]) -> [f64; 3] {
     let (mut tensor, mut l) = (inertia(body), l);
     for a in (0..3).filter(|&a| locked[a]) {
         tensor.row_mut(a).fill(0.0);
         tensor.column_mut(a).fill(0.0);
         (tensor[(a, a)], l[a]) = (1.0, 0.0);
     }
-    if let Some(inverse) = tensor.try_inverse() {
-        body.angular = (inverse * l).into();
-    }
+    tensor.try_inverse().map_or([0.0; 3], |inverse| (inverse * l).into())
+}
+
+/// Turns a body that is locked about some axes.
+pub fn turn_locked(body: &mut RigidState, l: Vector3<f64>, dt: f64, locked: [bool; 3]) {
+    body.angular = spin_of(body, l, locked);
     turn_by(body, dt);
 }
 

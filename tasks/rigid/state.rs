@@ -1,5 +1,6 @@
 //! The state of a rigid body.
 use bytemuck::{Pod, Zeroable};
+use physics::contact::cross;
 
 /// A rigid body: where it is and how it moves.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -21,6 +22,34 @@ pub struct RigidState {
     pub free: f64,
     /// Where the center is in the reference [m].
     pub origin: [f64; 3],
+}
+
+/// The motion of a free rigid body that is sought in a tick (see [`super::newton`]): V and ω.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub struct RigidTrial {
+    /// Without contact.
+    pub start: [f64; 6],
+    /// As far as it is known.
+    pub now: [f64; 6],
+    /// How often it has been tried.
+    pub rounds: f64,
+    /// What loads would add along locked axes [m/s].
+    pub held: [f64; 3],
+    /// What its force gives in the tick [N s].
+    pub push: [f64; 3],
+    /// Makes whole cache lines.
+    pub unused: [f64; 5],
+}
+
+impl RigidTrial {
+    /// Velocity [m/s] at an arm r [m] from the center: V + ω × r.
+    #[inline]
+    pub fn velocity_at(&self, r: [f64; 3]) -> [f64; 3] {
+        let [x, y, z, u, v, w] = self.now;
+        let turn = cross([u, v, w], r);
+        [x + turn[0], y + turn[1], z + turn[2]]
+    }
 }
 
 impl RigidState {

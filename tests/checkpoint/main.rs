@@ -88,8 +88,9 @@ const CLOUD: &str = include_str!("../scenes/cloud.toml");
 
 #[test]
 fn so_does_one_with_all_that_holds_and_pushes() {
-    let held = scene(include_str!("../scenes/held.toml"), &[]);
-    goes_on(&held, &mut Random(9));
+    for text in [include_str!("../scenes/held.toml"), include_str!("../scenes/afloat.toml")] {
+        goes_on(&scene(text, &[]), &mut Random(9));
+    }
 }
 
 #[test]

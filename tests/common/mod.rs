@@ -12,6 +12,7 @@ use sinew::input::{read, read_text};
 use sinew::simulation::{Report, RunError, Simulation};
 use std::path::Path;
 use tasks::labels;
+use tasks::rigid::state::RigidState;
 
 pub mod command;
 
@@ -90,6 +91,21 @@ pub fn numbers(simulation: &Simulation, label: LabelId) -> Vec<Vec<f64>> {
         all.extend((0..block.count).map(|p| (0..width).map(|c| block.get(layout, label, p, c)).collect()));
     }
     all
+}
+
+/// The state of a rigid material.
+pub fn body(simulation: &Simulation, material: usize) -> RigidState {
+    simulation.warehouse.shared.get(labels::RigidMotion::ID, material)
+}
+
+/// The slope of the line through points, by least squares.
+pub fn slope(points: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let points: Vec<[f64; 2]> = points.collect();
+    let mean = |a: usize| points.iter().map(|p| p[a]).sum::<f64>() / points.len() as f64;
+    let (x, y) = (mean(0), mean(1));
+    let [xy, xx] =
+        points.iter().fold([0.0; 2], |[xy, xx], p| [xy + (p[0] - x) * (p[1] - y), xx + (p[0] - x).powi(2)]);
+    xy / xx
 }
 
 /// Where a task runs on a block of which nothing is known.

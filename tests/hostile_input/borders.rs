@@ -1,5 +1,6 @@
 //! What holds and pushes bodies.
 use super::{GOOD, refused};
+use sinew::input::read_text;
 
 /// What would do nothing, or two things at once, is refused.
 #[test]
@@ -23,6 +24,10 @@ fn what_holds_and_pushes() {
         ("[[force]]\nmaterial = \"soft\"\npressure = [[0, 1, 2]]", &["a row [time, number]"]),
         ("[[force]]\nmaterial = \"hard\"\ntotal = [1, 0, 0]", &["is rigid"]),
         ("[[force]]\nmaterial = \"soft\"\ntotal = [1, 0, 0]\nside = \"+x\"", &["side", "a total"]),
+        (
+            "[[force]]\nmaterial = \"soft\"\npressure = 1\nside = \"+x\"\nregion = { sphere = { center = [0.0075, 0.0075, 0.0075], radius = 0.001 } }",
+            &["lies on the surface", "`side`"],
+        ),
         ("[[force]]\nmaterial = \"soft\"\ntraction = [1, 0, 0]\nfollows = false", &["follows", "direction"]),
         ("[load]\nlocal-damping = 1", &["load.local-damping", "at most 0.95"]),
     ] {
@@ -51,4 +56,37 @@ fn what_holds_and_pushes() {
         .replace("motion = ", "angular-velocity = [0, 0, 1]\nmotion = ");
     let (error, _) = refused(&turning, &[]);
     assert!(error.contains("about what does it turn"), "{error}");
+}
+
+/// Rigid bodies that could not move as they should.
+#[test]
+fn rigid_bodies() {
+    let with = |more: &str| GOOD.replace("motion = \"free\"", &format!("motion = \"free\"\n{more}"));
+    let (error, _) = refused(&with("locked = \"x\""), &[]);
+    assert!(
+        error.contains("\"tool\" starts with a velocity along x") && error.contains("unlock it"),
+        "{error}"
+    );
+    let (error, _) = refused(&with("angular-velocity = [0, 0, 1]\nlocked-turns = \"z\""), &[]);
+    assert!(error.contains("starts turning about z"), "{error}");
+    // half a ball on a mirror may not leave it
+    let half = |more: &str| {
+        with(more)
+            .replace("center = [\"50 mm\", \"20 mm\", \"20 mm\"]", "center = [\"50 mm\", 0, \"20 mm\"]")
+            .replace("x-min = \"fixed\"", "y-min = \"symmetric\"")
+    };
+    let (error, _) = refused(&half(""), &[]);
+    assert!(error.contains("a mirror cuts") && error.contains("`locked-turns`"), "{error}");
+    let (error, _) = refused(&half("locked = \"y\"\nlocked-turns = \"x\""), &[]);
+    assert!(error.contains("a mirror cuts"), "{error}");
+    read_text("test", &half("locked = \"y\"\nlocked-turns = \"xz\""), &[], None)
+        .expect("it moves along the mirror");
+    let two = with("").replace(
+        "[[contact]]",
+        "[material.other]\nlaw = \"rigid\"\nmotion = \"free\"\ndensity = 1\n[[body]]\nname = \"wall\"\nmaterial = \"other\"\n\
+         shape = { box = { lower = [\"70 mm\", 0, 0], upper = [\"75 mm\", 0.04, 0.04] } }\n\
+         [[contact]]\nbetween = [\"hard\", \"other\"]\nlaw = \"friction\"\nfriction = 0\n[[contact]]",
+    );
+    let (error, _) = refused(&two, &[]);
+    assert!(error.contains("are both rigid") && error.contains("ends if they ever meet"), "{error}");
 }

@@ -7,6 +7,7 @@ mod fail;
 mod graph;
 mod picture;
 mod ping;
+mod plot;
 mod progress;
 mod ranks;
 mod restart;
@@ -39,6 +40,7 @@ enum Command {
     Graph(graph::Args),
     Wound(wound::Args),
     Picture(picture::Args),
+    Plot(plot::Args),
     Compare(compare::Args),
     Bench(bench::Args),
     Scale(scale::Args),
@@ -86,6 +88,7 @@ fn main() -> ExitCode {
         Command::Graph(args) => graph::run(&args),
         Command::Wound(args) => wound::run(&args),
         Command::Picture(args) => picture::run(&args),
+        Command::Plot(args) => plot::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Scale(args) => scale::run(&args),

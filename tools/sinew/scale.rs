@@ -14,7 +14,7 @@ use sinew::lab::scale::step::Step;
 use sinew::lab::scale::tally::Tally;
 use sinew::lab::scale::validate::{largest, validate};
 use sinew::lab::scale::{calibrate, series, table};
-use sinew::simulation::{layout, step_graph};
+use sinew::simulation::{layout, step_graph, step_program};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -109,6 +109,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::usage(format!(
             "--steps, --repeat, --rank-threads, --most-ranks and --ticks are at least 1; they and --warm-up are at most {MOST}"
         )));
+    }
+    let rounds = step_program(&scene, 1).map_err(|error| Failure::Run(error.to_string()))?.graphs().len() > 1;
+    if rounds && !args.measure_only {
+        return Err(Failure::usage(
+            "contact moves a free rigid body, whose motion is found in rounds: the model cannot foresee them. Add --measure-only",
+        ));
     }
     let folder = args.out.clone().unwrap_or_else(|| Path::new("scaling").join(&scene.name));
     let plan = plan(args, &folder)?;

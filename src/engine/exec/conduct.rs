@@ -132,6 +132,7 @@ impl Engine {
         network: &mut dyn Network,
         conductor: &mut C,
     ) -> Result<(), C::Error> {
+        self.begin_program();
         self.backend.upload(Purpose::Program, &mut Blocks::of(warehouse));
         let done = self.nodes(&program.nodes, warehouse, network, conductor);
         self.backend.download(Purpose::Program, &mut Blocks::of(warehouse));
@@ -170,6 +171,7 @@ impl Engine {
         conductor: &mut C,
     ) -> Result<(), C::Error> {
         has_labels(graph, warehouse);
+        self.trace.set_graph(graph.number);
         self.run(graph, warehouse, network)?;
         if order::end(graph) == [Op::ReduceAtEnd] {
             self.reduce(graph, None, &mut warehouse.shared, network)?;

@@ -21,7 +21,8 @@ use crate::data::shared::Shared;
 use crate::data::warehouse::Warehouse;
 use crate::graph::build::TaskGraph;
 use crate::graph::phase::Stage;
-use crate::graph::task::Mode;
+use crate::graph::recipe::TaskNode;
+use crate::graph::task::{Domain, Mode};
 use crate::schema::Combine;
 use grid::Partition;
 use simd::Isa;
@@ -50,7 +51,7 @@ pub struct Engine {
     /// Whether blocks remember what work on them takes.
     weighing: bool,
     /// What is done when.
-    trace: Recorder,
+    pub(super) trace: Recorder,
 }
 
 impl Engine {
@@ -136,8 +137,8 @@ impl Engine {
         result
     }
 
-    /// Runs `graph` once: a tick. A task that computes the steps of the materials decides which of them act in the rest of it;
-    /// without one, all do. Reductions that only the end completes are left to [`Engine::relocate`] or [`Engine::reduce`].
+    /// Runs `graph` once. A task that computes the steps of the materials decides which of them act in the rest of it, and in graphs
+    /// that follow in the same program; where none has, all do. Reductions that only the end completes are left to [`Engine::relocate`] or [`Engine::reduce`].
     ///
     /// # Errors
     /// If a rank is gone.
@@ -147,7 +148,8 @@ impl Engine {
         warehouse: &mut Warehouse,
         network: &mut dyn Network,
     ) -> Result<(), NetworkError> {
-        if warehouse.nearby.is_some() && !warehouse.reactivate {
+        let asks = |node: &TaskNode| node.declaration.domain == Domain::NearParticles;
+        if graph.graph.node_weights().any(asks) && warehouse.nearby.is_some() && !warehouse.reactivate {
             warehouse.mark_near();
         }
         if warehouse.reactivate {
@@ -156,7 +158,9 @@ impl Engine {
         if self.slabs.is_empty() {
             self.slabs = wave::slabs(warehouse, self.workers());
         }
-        self.schedule.reset();
+        if graph.phases.iter().any(|phase| phase.decides) {
+            self.schedule.reset();
+        }
         for segment in order::segments(graph) {
             let phases = match segment {
                 Segment::One(Op::Reduce(phase)) => {
@@ -180,6 +184,11 @@ impl Engine {
             }
         }
         Ok(())
+    }
+
+    /// Nobody has decided yet who acts.
+    pub(super) fn begin_program(&mut self) {
+        self.schedule.reset();
     }
 
     /// Which blocks are active, here and in sight.

@@ -3,7 +3,7 @@
 //! Each worker has a list of its own, so that recording waits for nobody. The lists are as long as they will ever be from
 //! the beginning; what comes after they are full is counted and left out. A recorder that is off reads no clock.
 use crate::graph::phase::Stage;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -53,6 +53,8 @@ pub const TRAVELERS: u32 = NONE - 1;
 pub struct Event {
     /// What it was busy with.
     pub kind: Kind,
+    /// Number of the graph in its program.
+    pub graph: u32,
     /// Tasks and idleness: the first line of the stage in the recipe, or [`NONE`]. Waits: the phase that needs it, [`NONE`] at the end of a tick.
     pub place: u32,
     /// Index of the material, or [`NONE`].
@@ -78,8 +80,8 @@ pub struct Event {
 impl Event {
     fn new(kind: Kind, place: u32) -> Self {
         let [material, patch, slab, message] = [NONE; 4];
-        let (messages, bytes, step, start, duration) = (0, 0, 0, 0, 0);
-        Self { kind, place, material, patch, slab, message, messages, bytes, step, start, duration }
+        let (graph, messages, bytes, step, start, duration) = (0, 0, 0, 0, 0, 0);
+        Self { kind, graph, place, material, patch, slab, message, messages, bytes, step, start, duration }
     }
 
     /// The tasks of a stage.
@@ -135,7 +137,7 @@ impl Event {
 
     /// Whether `next` is more of the same, begun as soon as this ended.
     fn goes_on_with(&self, next: &Event, start: u64) -> bool {
-        let what = |e: &Event| (e.kind, e.place, e.material, e.patch, e.slab, e.message);
+        let what = |e: &Event| (e.kind, e.graph, e.place, e.material, e.patch, e.slab, e.message);
         what(self) == what(next) && start.saturating_sub(self.start + self.duration) < JOINED
     }
 
@@ -146,7 +148,7 @@ impl Event {
             two(self.kind as u32, self.place),
             two(self.material, self.patch),
             two(self.slab, self.message),
-            u64::from(self.messages),
+            two(self.graph, self.messages),
             self.bytes,
             self.step,
             self.start,
@@ -156,11 +158,24 @@ impl Event {
 
     /// From numbers of [`Event::to_words`]; `None` for others.
     pub fn from_words(words: &[u64]) -> Option<Self> {
-        let &[a, b, c, messages, bytes, step, start, duration] = words else { return None };
+        let &[a, b, c, d, bytes, step, start, duration] = words else { return None };
         let two = |word: u64| ((word >> 32) as u32, word as u32);
         let ((kind, place), (material, patch), (slab, message)) = (two(a), two(b), two(c));
-        let (kind, messages) = (*Kind::ALL.get(kind as usize)?, messages as u32);
-        Some(Self { kind, place, material, patch, slab, message, messages, bytes, step, start, duration })
+        let (kind, (graph, messages)) = (*Kind::ALL.get(kind as usize)?, two(d));
+        Some(Self {
+            kind,
+            graph,
+            place,
+            material,
+            patch,
+            slab,
+            message,
+            messages,
+            bytes,
+            step,
+            start,
+            duration,
+        })
     }
 
     /// Numbers of an event.
@@ -187,6 +202,7 @@ pub const BOUND: usize = 1 << 18;
 pub struct Recorder {
     origin: Instant,
     step: AtomicU64,
+    graph: AtomicU32,
     tracks: Vec<Mutex<Track>>,
     bound: usize,
 }
@@ -202,7 +218,7 @@ impl Recorder {
     pub fn new(workers: usize, bound: usize) -> Self {
         let track = || Mutex::new(Track { events: Vec::with_capacity(bound), lost: 0 });
         let tracks = (0..workers).map(|_| track()).collect();
-        Self { origin: Instant::now(), step: AtomicU64::new(0), tracks, bound }
+        Self { origin: Instant::now(), step: AtomicU64::new(0), graph: AtomicU32::new(0), tracks, bound }
     }
 
     /// Whether it records.
@@ -215,6 +231,17 @@ impl Recorder {
         self.step.store(step, Ordering::Relaxed);
     }
 
+    /// The graph of the program that events belong to from now on.
+    pub fn set_graph(&self, number: usize) {
+        self.graph.store(number as u32, Ordering::Relaxed);
+    }
+
+    fn at(&self, event: Event, start: u64) -> Event {
+        let duration = self.now().saturating_sub(start);
+        let (step, graph) = (self.step.load(Ordering::Relaxed), self.graph.load(Ordering::Relaxed));
+        Event { step, graph, start, duration, ..event }
+    }
+
     /// The time now [ns]; 0 if nothing is recorded.
     #[inline]
     pub fn now(&self) -> u64 {
@@ -225,9 +252,7 @@ impl Recorder {
     #[inline]
     pub fn record(&self, worker: usize, start: u64, event: Event) {
         if let Some(track) = self.tracks.get(worker) {
-            let duration = self.now().saturating_sub(start);
-            let step = self.step.load(Ordering::Relaxed);
-            self.push(&mut lock(track), Event { step, start, duration, ..event });
+            self.push(&mut lock(track), self.at(event, start));
         }
     }
 
@@ -236,12 +261,10 @@ impl Recorder {
     pub fn record_on(&self, worker: usize, start: u64, event: Event) {
         let Some(track) = self.tracks.get(worker) else { return };
         let mut track = lock(track);
+        let event = self.at(event, start);
         match track.events.last_mut() {
             Some(last) if last.goes_on_with(&event, start) => last.duration = self.now() - last.start,
-            _ => {
-                let (duration, step) = (self.now().saturating_sub(start), self.step.load(Ordering::Relaxed));
-                self.push(&mut track, Event { step, start, duration, ..event });
-            }
+            _ => self.push(&mut track, event),
         }
     }
 

@@ -16,6 +16,8 @@ use std::ops::Range;
 pub struct TaskGraph {
     /// Its name in dumps.
     pub name: &'static str,
+    /// Its number in the program, in order.
+    pub number: usize,
     /// The recipe it was built from.
     pub recipe: Recipe,
     /// Tasks and edges that survived pruning.
@@ -68,7 +70,19 @@ impl TaskGraph {
         let waves = fuse::waves(&phases);
         let outputs = outputs.to_vec();
         (
-            Self { name: "", recipe, graph, phases, waves, exchanges, at_end, pruned, carried, outputs },
+            Self {
+                name: "",
+                number: 0,
+                recipe,
+                graph,
+                phases,
+                waves,
+                exchanges,
+                at_end,
+                pruned,
+                carried,
+                outputs,
+            },
             refusals,
         )
     }

@@ -88,7 +88,9 @@ impl Program {
         let wanted: Vec<LabelId> = wanted.into_iter().collect();
         let mut refusals = Vec::new();
         let nodes = script.into_iter().map(|part| part.inspect(&wanted, patches, &mut refusals)).collect();
-        (Self { name: name.to_owned(), nodes }, refusals)
+        let mut program = Self { name: name.to_owned(), nodes };
+        program.graphs_mut().into_iter().enumerate().for_each(|(number, graph)| graph.number = number);
+        (program, refusals)
     }
 
     /// A program of one graph.

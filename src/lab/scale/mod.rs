@@ -12,7 +12,6 @@ pub mod measure;
 pub mod model;
 pub mod order;
 pub mod ping;
-pub mod plot;
 pub mod predict;
 mod replay;
 pub mod report;

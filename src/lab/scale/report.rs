@@ -1,11 +1,11 @@
 //! All that `sinew scale` found, and its files.
 use super::model::{Cluster, Costs};
-use super::plot::{Line, Plot};
 use super::row::Row;
 use super::series::Point;
 use super::table;
 use super::torus::Brick;
 use super::validate::Check;
+use crate::lab::plot::{Line, Plot};
 use crate::output::Result;
 use crate::output::error::io;
 use crate::output::summary::write_whole;
@@ -109,7 +109,8 @@ impl Report {
         Plot {
             title: format!("{}: {kind} scaling, measured", self.scene),
             axes: ["workers".to_owned(), "parallel efficiency".to_owned()],
-            log_y: false,
+            log: [true, false],
+            marks: true,
             lines: self.by_workers(|row| row.efficiency),
         }
     }
@@ -118,7 +119,8 @@ impl Report {
         Plot {
             title: format!("{}: time of a step, measured", self.scene),
             axes: ["workers".to_owned(), "ms a step".to_owned()],
-            log_y: true,
+            log: [true, true],
+            marks: true,
             lines: self.by_workers(|row| row.step_ms[0]),
         }
     }
@@ -137,7 +139,8 @@ impl Report {
         Plot {
             title: format!("{}: what more patches cost", self.scene),
             axes: ["patches".to_owned(), "time over that with the fewest, less one".to_owned()],
-            log_y: false,
+            log: [true, false],
+            marks: true,
             lines: groups.iter().map(line).collect(),
         }
     }
@@ -150,7 +153,8 @@ impl Report {
         Plot {
             title: format!("{}: efficiency, predicted", self.scene),
             axes: ["ranks".to_owned(), "parallel efficiency".to_owned()],
-            log_y: false,
+            log: [true, false],
+            marks: true,
             lines: vec![line("strong", &self.strong), line("weak", &self.weak_points)],
         }
     }

@@ -1,5 +1,6 @@
 //! Two `history.csv`, row by row.
 use super::{Tolerances, tolerated};
+use crate::output::history::entries;
 
 /// The first cell in which two histories differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,8 +28,7 @@ pub struct Comparison {
 
 /// Compares the texts of two files. Tolerances for `history` hold for all columns, relative to a column's largest value.
 pub fn compare(one: &str, other: &str, tolerances: &Tolerances) -> Comparison {
-    let table = |text: &str| text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect();
-    let (one, other): (Vec<Vec<String>>, Vec<Vec<String>>) = (table(one), table(other));
+    let [one, other] = [one, other].map(entries);
     let columns = one.first().cloned().unwrap_or_default();
     let allowed: Vec<_> = (0..columns.len()).map(|c| allowed(&one, &columns[c], c, tolerances)).collect();
     let rows = one.len().min(other.len()).saturating_sub(1);

@@ -15,19 +15,24 @@ const PIECE: usize = 1 << 14;
 /// Numbers before the events of a piece: their worker, and how many the worker lost.
 const HEAD: usize = 2;
 
-/// Writes what `recorder` has recorded, and the recorders of all other ranks, into one file. All ranks must call it
+/// Writes what `recorder` has recorded of the graphs of a program, and the recorders of all other ranks, into one file. All ranks must call it
 /// together; rank 0 writes. The recorders go on with empty lists.
 ///
 /// # Errors
 /// A file that cannot be written (on rank 0), or a rank that is gone.
-pub fn write(path: &Path, graph: &TaskGraph, recorder: &Recorder, network: &mut dyn Network) -> Result<()> {
+pub fn write(
+    path: &Path,
+    graphs: &[&TaskGraph],
+    recorder: &Recorder,
+    network: &mut dyn Network,
+) -> Result<()> {
     let pieces = pieces(&recorder.take());
     let counts = collective::share(network, &[pieces.len() as u64])?;
     let rounds = counts.iter().filter_map(|count| count.first()).max().copied().unwrap_or(0);
     let mut writer = None;
     let mut result = Ok(());
     if network.rank() == 0 {
-        match Writer::create(path, graph, network.size()) {
+        match Writer::create(path, graphs, network.size()) {
             Ok(created) => writer = Some(created),
             Err(error) => result = Err(error),
         }
@@ -68,9 +73,9 @@ fn pieces(tracks: &[Track]) -> Vec<Vec<u64>> {
 struct Writer<'a> {
     file: BufWriter<File>,
     path: &'a Path,
-    graph: &'a TaskGraph,
-    /// Stages and their phases by the first of their lines in the recipe.
-    stages: HashMap<u32, (usize, &'a Stage)>,
+    graphs: &'a [&'a TaskGraph],
+    /// Stages and their phases by their graph and the first of their lines in the recipe.
+    stages: HashMap<[u32; 2], (usize, &'a Stage)>,
     /// Tracks that have their names.
     named: Vec<(usize, u64)>,
     /// Bytes that each rank has sent so far.
@@ -80,13 +85,17 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn create(path: &'a Path, graph: &'a TaskGraph, ranks: usize) -> Result<Self> {
+    fn create(path: &'a Path, graphs: &'a [&'a TaskGraph], ranks: usize) -> Result<Self> {
         let file = File::create(path).map_err(io("create", path))?;
-        let phases = graph.phases.iter().enumerate();
-        let stages = phases.flat_map(|(number, phase)| phase.stages.iter().map(move |stage| (number, stage)));
-        let stages = stages.filter_map(|it| Some((*it.1.entries.first()? as u32, it))).collect();
+        let mut stages = HashMap::new();
+        for (graph, it) in graphs.iter().enumerate() {
+            for (number, phase) in it.phases.iter().enumerate() {
+                let first = |stage: &Stage| stage.entries.first().map(|&entry| [graph as u32, entry as u32]);
+                stages.extend(phase.stages.iter().filter_map(|stage| Some((first(stage)?, (number, stage)))));
+            }
+        }
         let (file, named, sent) = (BufWriter::new(file), Vec::new(), vec![0; ranks]);
-        let mut writer = Self { file, path, graph, stages, named, sent, lost: 0, first: true };
+        let mut writer = Self { file, path, graphs, stages, named, sent, lost: 0, first: true };
         writer.text("{\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n")?;
         for rank in 0..ranks {
             writer.line(&meta("process_name", rank, 0, json!({ "name": format!("rank {rank}") })))?;
@@ -134,10 +143,12 @@ impl<'a> Writer<'a> {
         let known = |number: u32| (number != NONE).then_some(number);
         let phase = match event.kind {
             Kind::HaloWait | Kind::ReduceWait => known(event.place),
-            _ => self.stages.get(&event.place).map(|(phase, _)| *phase as u32),
+            _ => self.stages.get(&[event.graph, event.place]).map(|(phase, _)| *phase as u32),
         };
         let mut args = json!({ "step": event.step });
-        let material = known(event.material).and_then(|m| self.graph.recipe.materials.get(m as usize));
+        let graph = self.graphs.get(event.graph as usize);
+        let materials = graph.map_or(&[][..], |graph| &graph.recipe.materials);
+        let material = known(event.material).and_then(|m| materials.get(m as usize));
         let mut add = |key: &str, value: Value| {
             if !value.is_null() {
                 args[key] = value;
@@ -145,6 +156,7 @@ impl<'a> Writer<'a> {
         };
         add("tasks", if tasks.is_empty() { Value::Null } else { json!(tasks) });
         add("material", json!(material));
+        add("graph", json!(graph.filter(|_| self.graphs.len() > 1).map(|graph| graph.name)));
         add("phase", json!(phase));
         add("exchange", json!(known(event.message).filter(|_| event.kind == Kind::HaloWait)));
         add("patch", json!(known(event.patch)));
@@ -164,11 +176,17 @@ impl<'a> Writer<'a> {
         let labels = |labels: &[engine::schema::LabelId]| {
             labels.iter().map(|label| label.name()).collect::<Vec<_>>().join(", ")
         };
-        let phase = self.graph.phases.get(event.place as usize);
+        let Some(graph) = self.graphs.get(event.graph as usize) else {
+            return (event.kind.name().to_owned(), Vec::new());
+        };
+        let phase = graph.phases.get(event.place as usize);
         match (event.kind, phase) {
             (Kind::Task | Kind::Idle, _) => {
-                let nodes = self.stages.get(&event.place).map_or(&[][..], |(_, stage)| &stage.nodes[..]);
-                let tasks: Vec<&str> = nodes.iter().map(|&n| self.graph.graph[n].declaration.name).collect();
+                let nodes = self
+                    .stages
+                    .get(&[event.graph, event.place])
+                    .map_or(&[][..], |(_, stage)| &stage.nodes[..]);
+                let tasks: Vec<&str> = nodes.iter().map(|&n| graph.graph[n].declaration.name).collect();
                 let name = match tasks[..] {
                     [one] if event.kind == Kind::Task => one.to_owned(),
                     [first, .., last] if event.kind == Kind::Task => format!("{first} … {last}"),
@@ -179,7 +197,7 @@ impl<'a> Writer<'a> {
             (Kind::HaloWait, Some(phase)) => (format!("halo: {}", labels(&phase.halos)), Vec::new()),
             (Kind::ReduceWait, Some(phase)) => (format!("reduce: {}", labels(&phase.reductions)), Vec::new()),
             (Kind::ReduceWait, None) if event.message == TRAVELERS => ("travelers".to_owned(), Vec::new()),
-            (Kind::ReduceWait, None) => (format!("reduce: {}", labels(&self.graph.at_end)), Vec::new()),
+            (Kind::ReduceWait, None) => (format!("reduce: {}", labels(&graph.at_end)), Vec::new()),
             (kind, _) => (kind.name().to_owned(), Vec::new()),
         }
     }

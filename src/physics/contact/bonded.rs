@@ -65,6 +65,10 @@ impl ContactLaw for Bonded {
         pair.exchange(along, std::array::from_fn(|a| pair.relative[a] - along * pair.normal[a]))
     }
     #[inline]
+    fn stiffness(&self, pair: &Pair) -> [[f64; 3]; 3] {
+        pair.takes(1.0, 1.0)
+    }
+    #[inline]
     fn broken(&self, pair: &Pair) -> Exchange {
         Friction { coefficient: self.friction, criterion: Criterion::Approach }.exchange(pair)
     }

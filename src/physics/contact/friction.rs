@@ -47,9 +47,10 @@ impl Described for Friction {
     }
 }
 
-impl ContactLaw for Friction {
+impl Friction {
+    /// How fast surfaces approach, if contact acts; those that part are never pulled [m/s].
     #[inline]
-    fn exchange(&self, pair: &Pair) -> Exchange {
+    fn approach(&self, pair: &Pair) -> Option<f64> {
         let approach = dot(pair.relative, pair.normal);
         let compressed = pair.traction < 0.0;
         let acts = match self.criterion {
@@ -57,15 +58,40 @@ impl ContactLaw for Friction {
             Criterion::ApproachOrCompression => approach > 0.0 || compressed,
             Criterion::ApproachAndCompression => approach > 0.0 && compressed,
         };
-        if !acts {
-            return Exchange::default();
-        }
-        let slip: [f64; 3] = std::array::from_fn(|a| pair.relative[a] - approach * pair.normal[a]);
-        // surfaces that part are never pulled
-        let approach = approach.max(0.0);
+        acts.then_some(approach.max(0.0))
+    }
+}
+
+impl ContactLaw for Friction {
+    #[inline]
+    fn exchange(&self, pair: &Pair) -> Exchange {
+        let Some(approach) = self.approach(pair) else { return Exchange::default() };
+        let along = dot(pair.relative, pair.normal);
+        let slip: [f64; 3] = std::array::from_fn(|a| pair.relative[a] - along * pair.normal[a]);
         let speed = dot(slip, slip).sqrt();
         let limit = self.coefficient * approach;
         let share = if speed > limit { limit / speed } else { 1.0 };
         pair.exchange(approach, slip.map(|s| share * s))
+    }
+
+    #[inline]
+    fn stiffness(&self, pair: &Pair) -> [[f64; 3]; 3] {
+        let Some(approach) = self.approach(pair).filter(|approach| *approach > 0.0) else {
+            return [[0.0; 3]; 3];
+        };
+        let (n, m) = (pair.normal, pair.reduced_mass);
+        let slip: [f64; 3] = std::array::from_fn(|a| pair.relative[a] - approach * n[a]);
+        let (speed, limit) = (dot(slip, slip).sqrt(), self.coefficient * approach);
+        if speed <= limit {
+            return pair.takes(1.0, 1.0);
+        }
+        // friction is m μ (u·n) t, with the direction t of the slip
+        let (mut all, t) = (pair.takes(1.0, limit / speed), slip.map(|s| s / speed));
+        for i in 0..3 {
+            for j in 0..3 {
+                all[i][j] += m * (self.coefficient * t[i] * n[j] - limit / speed * t[i] * t[j]);
+            }
+        }
+        all
     }
 }

@@ -33,6 +33,10 @@ macro_rules! registry {
                 match self { $(AnyContactLaw::$variant(law) => law.exchange(pair)),* }
             }
             #[inline]
+            fn stiffness(&self, pair: &Pair) -> [[f64; 3]; 3] {
+                match self { $(AnyContactLaw::$variant(law) => law.stiffness(pair)),* }
+            }
+            #[inline]
             fn bond(&self) -> Option<Strength> {
                 match self { $(AnyContactLaw::$variant(law) => law.bond()),* }
             }

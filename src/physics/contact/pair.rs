@@ -30,6 +30,9 @@ pub trait ContactLaw {
     /// The impulses that the pair exchanges where its surfaces touch.
     fn exchange(&self, pair: &Pair) -> Exchange;
 
+    /// −∂(impulse on a)/∂(relative velocity) of the same, row by row [kg]: how much more it pushes where the relative velocity is less.
+    fn stiffness(&self, pair: &Pair) -> [[f64; 3]; 3];
+
     /// What it bears, if it holds two materials together, whatever they do.
     fn bond(&self) -> Option<Strength> {
         None
@@ -63,6 +66,13 @@ impl Strength {
 }
 
 impl Pair {
+    /// m (s n nᵀ + t (1 − n nᵀ)): what takes a share of the velocity along the normal, and of that across.
+    pub(super) fn takes(&self, along: f64, across: f64) -> [[f64; 3]; 3] {
+        let (m, n) = (self.reduced_mass, self.normal);
+        let one = |i: usize, j: usize| if i == j { across } else { 0.0 };
+        std::array::from_fn(|i| std::array::from_fn(|j| m * ((along - across) * n[i] * n[j] + one(i, j))))
+    }
+
     /// The exchange that changes the relative velocity by −`along` n and by −`across`.
     pub(super) fn exchange(&self, along: f64, across: [f64; 3]) -> Exchange {
         Exchange {

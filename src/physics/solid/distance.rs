@@ -7,7 +7,7 @@ pub type Distance = (f64, [f64; 3]);
 impl Solid {
     /// Signed distance from the surface.
     ///
-    /// Exact for boxes, balls, cones, cylinders, capsules and half-spaces, moved and turned ones too. Of unions it is exact outside, of
+    /// Exact for boxes, balls, cones, cylinders, capsules, half-spaces and meshes, moved and turned ones too. Of unions it is exact outside, of
     /// intersections and differences inside; on the other side it is a bound: the surface is at least so far, and just so far
     /// wherever the nearest point of it belongs to one of the solids alone.
     pub fn distance(&self, x: [f64; 3]) -> Distance {
@@ -21,6 +21,7 @@ impl Solid {
                 from_point(x, between(ends, s), *radius, across(axis))
             }
             Solid::HalfSpace { point, normal } => (dot(sub(x, *point), *normal), *normal),
+            Solid::Mesh(mesh) => mesh.distance(x),
             Solid::Union(solids) => {
                 let all = solids.iter().map(|solid| solid.distance(x));
                 all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, [0.0; 3]))

@@ -1,5 +1,8 @@
 //! Solids: whether a point lies inside, how far it is from the surface, and a box around them. All lengths in meters.
 mod distance;
+pub mod mesh;
+
+use mesh::Mesh;
 
 /// A solid. Surfaces belong to it.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +18,8 @@ pub enum Solid {
     Capsule { ends: [[f64; 3]; 2], radius: f64 },
     /// All points behind the plane through `point` [m] with the outward unit vector `normal`.
     HalfSpace { point: [f64; 3], normal: [f64; 3] },
+    /// What a closed surface of triangles bounds.
+    Mesh(Mesh),
     /// What lies in any.
     Union(Vec<Solid>),
     /// What lies in all.
@@ -45,6 +50,7 @@ impl Solid {
                 within(sub(x, between(ends, along(x, ends).clamp(0.0, 1.0))), *radius)
             }
             Solid::HalfSpace { point, normal } => dot(sub(x, *point), *normal) <= 0.0,
+            Solid::Mesh(mesh) => mesh.contains(x),
             Solid::Union(solids) => solids.iter().any(|solid| solid.contains(x)),
             Solid::Intersection(solids) => solids.iter().all(|solid| solid.contains(x)),
             Solid::Difference(solid, others) => {
@@ -73,6 +79,7 @@ impl Solid {
                 hull(around(ends[0], [*radius; 3]), around(ends[1], [*radius; 3]))
             }
             Solid::HalfSpace { point, normal } => half_space_bounds(*point, *normal),
+            Solid::Mesh(mesh) => mesh.bounds(),
             Solid::Union(solids) => solids.iter().map(Solid::bounds).fold(EMPTY, hull),
             Solid::Intersection(solids) => solids.iter().map(Solid::bounds).fold(EVERYTHING, overlap),
             Solid::Difference(solid, _) => solid.bounds(),

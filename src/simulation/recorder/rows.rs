@@ -4,7 +4,7 @@ use crate::simulation::failures;
 use crate::simulation::populate::declared;
 use crate::simulation::report::{MaterialReport, Report};
 use scene::Scene;
-use tasks::recipes::Givers;
+use tasks::recipes::{Giver, Givers};
 
 /// The columns of a scene.
 pub fn columns(scene: &Scene) -> Vec<Column> {
@@ -17,26 +17,29 @@ pub fn columns(scene: &Scene) -> Vec<Column> {
     for material in &scene.materials {
         material_columns(&material.name, declared(&material.behavior).counts, &mut columns);
     }
-    for part in ["friction", "impact", "transfer", "boundary_work", "deleted", "residual"] {
+    for part in ["friction", "impact", "transfer", "half_step", "boundary_work", "deleted", "residual"] {
         columns.push(Column::global(part, "j"));
     }
     columns.push(Column::global("deleted_particles", ""));
     for giver in Givers::of(scene).0 {
-        giver_columns(&giver.name(scene), giver.is_outside(), &mut columns);
+        giver_columns(&giver.name(scene), giver, &mut columns);
     }
     columns
 }
 
 /// The columns of what gives something to the matter; contacts do no work that is not in accounts of their own.
-fn giver_columns(name: &str, works: bool, columns: &mut Vec<Column>) {
+fn giver_columns(name: &str, giver: Giver, columns: &mut Vec<Column>) {
     for axis in ["x", "y", "z"] {
         columns.push(Column::of(name, &format!("force_{axis}"), "n"));
     }
     for axis in ["x", "y", "z"] {
         columns.push(Column::of(name, &format!("torque_{axis}"), "n_m"));
     }
-    if works {
+    if giver.is_outside() {
         columns.push(Column::of(name, "work", "j"));
+    }
+    if let Giver::Drive(_) = giver {
+        columns.extend(["x", "y", "z"].map(|axis| Column::of(name, &format!("displacement_{axis}"), "m")));
     }
 }
 
@@ -71,6 +74,7 @@ pub fn cells(report: &Report) -> Vec<Cell<'_>> {
         report.friction,
         report.impact,
         report.transfer,
+        report.half_step,
         report.boundary_work,
         report.deleted_energy,
         report.residual,
@@ -80,6 +84,7 @@ pub fn cells(report: &Report) -> Vec<Cell<'_>> {
     for it in &report.givers {
         cells.extend(it.force.into_iter().chain(it.torque).map(Cell::from));
         cells.extend(it.giver.is_outside().then_some(Cell::from(it.work)));
+        cells.extend(it.displacement.into_iter().flatten().map(Cell::from));
     }
     cells
 }

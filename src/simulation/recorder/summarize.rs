@@ -78,6 +78,7 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
             friction: report.friction,
             impact: report.impact,
             transfer: report.transfer,
+            half_step: report.half_step,
             viscosity: energy.viscous,
             boundary_work: report.boundary_work,
             residual: report.residual,

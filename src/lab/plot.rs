@@ -1,4 +1,4 @@
-//! Plots of lines as SVG: logarithmic axes, a legend, nothing else.
+//! Plots of lines as SVG: linear or logarithmic axes, a legend, nothing else.
 use std::fmt::Write;
 
 /// A line of a plot.
@@ -17,8 +17,10 @@ pub struct Plot {
     pub title: String,
     /// Along x and y.
     pub axes: [String; 2],
-    /// Whether y is logarithmic; x is.
-    pub log_y: bool,
+    /// Which of them are logarithmic.
+    pub log: [bool; 2],
+    /// Whether each point has a mark.
+    pub marks: bool,
     /// The lines.
     pub lines: Vec<Line>,
 }
@@ -47,7 +49,11 @@ impl Axis {
         match (low <= high, log) {
             (false, _) => Self { from: 1.0, to: 10.0, log },
             (true, true) => Self { from: low / 1.15, to: high * 1.15, log },
-            (true, false) => Self { from: low.min(0.0), to: (1.05 * high).max(low + 1e-9), log },
+            (true, false) => {
+                let (low, high) = (low.min(0.0), high.max(0.0));
+                let room = 0.05 * (high - low).max(f64::MIN_POSITIVE);
+                Self { from: if low < 0.0 { low - room } else { 0.0 }, to: high + room, log }
+            }
         }
     }
 
@@ -83,8 +89,8 @@ impl Plot {
     /// The plot as a file.
     pub fn to_svg(&self) -> String {
         let points = || self.lines.iter().flat_map(|line| &line.points);
-        let x = Axis::of(points().map(|p| p[0]), true);
-        let y = Axis::of(points().map(|p| p[1]), self.log_y);
+        let x = Axis::of(points().map(|p| p[0]), self.log[0]);
+        let y = Axis::of(points().map(|p| p[1]), self.log[1]);
         let [left, right, top, bottom] = FRAME;
         let px = |value: f64| left + x.at(value) * (right - left);
         let py = |value: f64| bottom - y.at(value) * (bottom - top);
@@ -95,10 +101,11 @@ impl Plot {
         self.grid(&mut out, (x, y), (&px, &py));
         for (n, line) in self.lines.iter().enumerate() {
             let color = COLORS[n % COLORS.len()];
-            let shown =
-                line.points.iter().filter(|p| p[0] > 0.0 && p[1].is_finite() && (!self.log_y || p[1] > 0.0));
+            let is_shown = |p: &&[f64; 2]| (0..2).all(|a| p[a].is_finite() && (!self.log[a] || p[a] > 0.0));
+            let shown = line.points.iter().filter(is_shown);
             let places: Vec<[f64; 2]> = shown.map(|p| [px(p[0]), py(p[1])]).collect();
-            draw(&mut out, line, color, &places, top + 20.0 * n as f64);
+            let marks: &[[f64; 2]] = if self.marks { &places } else { &[] };
+            draw(&mut out, line, color, (&places, marks), top + 20.0 * n as f64);
         }
         out.push_str("</svg>\n");
         out
@@ -137,10 +144,16 @@ impl Plot {
 }
 
 /// A line with its marks and its place in the legend.
-fn draw(out: &mut String, line: &Line, color: &str, places: &[[f64; 2]], legend: f64) {
+fn draw(
+    out: &mut String,
+    line: &Line,
+    color: &str,
+    (places, marks): (&[[f64; 2]], &[[f64; 2]]),
+    legend: f64,
+) {
     let path: Vec<String> = places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
     let _ = writeln!(out, "<polyline points=\"{}\" stroke=\"{color}\"/>", path.join(" "));
-    for [x, y] in places {
+    for [x, y] in marks {
         let _ = writeln!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{color}\"/>");
     }
     let (from, to) = (FRAME[1] + 12.0, FRAME[1] + 32.0);
@@ -168,8 +181,13 @@ mod tests {
     fn points_lie_inside_the_frame_and_text_is_escaped() {
         let points = vec![[1.0, 1.0], [10.0, 0.5], [1e5, 0.25], [f64::NAN, 1.0]];
         let line = Line { name: "a < b".into(), points };
-        let plot =
-            Plot { title: "t".into(), axes: ["x".into(), "y".into()], log_y: false, lines: vec![line] };
+        let plot = Plot {
+            title: "t".into(),
+            axes: ["x".into(), "y".into()],
+            log: [true, false],
+            marks: true,
+            lines: vec![line],
+        };
         let svg = plot.to_svg();
         assert!(svg.contains("a &lt; b") && !svg.contains("NaN") && !svg.contains("inf"));
         assert_eq!(svg.matches("<circle").count(), 3);

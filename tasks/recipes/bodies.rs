@@ -1,0 +1,142 @@
+//! The lines of rigid bodies.
+use super::builder::Builder;
+use super::givers::Giver;
+use super::tools::{is_free, obstacles, tools};
+use crate::rigid::apart::{Free, RigidApart};
+use crate::rigid::bodies::Bodies;
+use crate::rigid::carry::RigidCarry;
+use crate::rigid::motion::RigidMotion;
+use crate::rigid::plan::RigidPlan;
+use crate::rigid::predict::RigidPredict;
+use crate::rigid::push::RigidPush;
+use crate::rigid::round::RigidRound;
+use crate::rigid::sites::RigidSites;
+use crate::rigid::solve::RigidSolve;
+use crate::tool::Tool;
+use scene::sampling::{count, particle_volume, sample};
+use scene::{Behavior, RigidMotion as Motion, Scene, Table};
+
+impl Builder<'_> {
+    fn has_free(&self) -> bool {
+        (0..self.scene.materials.len()).any(|m| is_free(self.scene, m))
+    }
+
+    fn has_prescribed(&self) -> bool {
+        self.scene.materials.iter().any(scene::Material::is_tool)
+    }
+
+    /// Free rigid bodies that may push something.
+    fn bodies(&self) -> Bodies {
+        let mut tools = tools(self.scene, &self.givers);
+        tools.retain(|tool| tool.body().is_some_and(|m| is_free(self.scene, m)));
+        Bodies { tools, lattice: self.lattice, surfaces: self.surface_tables() }
+    }
+
+    pub(super) fn rigid_plan(&mut self) {
+        let prescribed = self.scene.materials.iter().map(|m| match &m.behavior {
+            Behavior::Rigid(Motion::Prescribed { course, spin, .. }) => Some((course.clone(), spin.clone())),
+            _ => None,
+        });
+        let prescribed: Vec<_> = prescribed.collect();
+        if self.has_prescribed() {
+            self.all("material", RigidPlan { prescribed });
+        }
+        if self.has_free() {
+            let (field, locked) = (self.load_field(), locked(self.scene));
+            self.all("material", RigidPredict { field, locked, forces: forces(self.scene) });
+        }
+    }
+
+    /// What the search for their motion needs to know.
+    pub(super) fn rigid_sites(&mut self) {
+        if pushes(self.scene) {
+            self.all("contact", RigidSites { least_mass: self.least_mass });
+        }
+    }
+
+    /// A round of the search.
+    pub(super) fn rigid_round(&mut self) {
+        self.all("contact", RigidRound(self.bodies()));
+        self.all("contact", RigidSolve { locked: locked(self.scene) });
+    }
+
+    pub(super) fn rigid_push(&mut self) {
+        if pushes(self.scene) {
+            self.all("contact", RigidPush(self.bodies()));
+        }
+    }
+
+    /// Watches that free rigid bodies meet nothing rigid.
+    pub(super) fn rigid_apart(&mut self) {
+        let scene = self.scene;
+        let free = (0..scene.materials.len()).filter(|&m| is_free(scene, m));
+        let bodies: Vec<Free> = free.map(|m| Free::new(m, surface_points(scene, m))).collect();
+        let obstacles: Vec<Tool> = obstacles(scene).into_iter().map(|(_, tool)| tool).collect();
+        if !bodies.is_empty() && obstacles.len() > 1 {
+            self.all("material", RigidApart { bodies, obstacles });
+        }
+    }
+
+    pub(super) fn rigid_motion(&mut self) {
+        if self.has_prescribed() {
+            self.all("material", RigidCarry);
+        }
+        if self.has_free() {
+            let lock = |m: usize| self.givers.tile(Giver::Rigid(m)).filter(|_| is_free(self.scene, m));
+            let task = RigidMotion {
+                locked: locked(self.scene),
+                loads: self.givers.tile(Giver::Loads),
+                locks: (0..self.scene.materials.len()).map(lock).collect(),
+            };
+            self.all("material", task);
+        }
+    }
+}
+
+/// Whether free rigid bodies push matter: then their motion has to be searched for.
+pub fn pushes(scene: &Scene) -> bool {
+    scene.contacts.iter().any(|contact| contact.between.iter().any(|&m| is_free(scene, m)))
+}
+
+/// The particles of a rigid material that lie next to its surface [m].
+fn surface_points(scene: &Scene, material: usize) -> Vec<[f64; 3]> {
+    let near = |body: &scene::Body, x: &[f64; 3]| {
+        let n = body.particles_per_cell.iter().copied().min().unwrap_or(1);
+        body.solid.distance(*x).0 > -scene.domain.cell / n as f64
+    };
+    let of = |body| sample(scene, body).filter(move |x| near(body, x));
+    scene.bodies_of(material).flat_map(of).collect()
+}
+
+/// The force on each free rigid material in time [N].
+pub fn forces(scene: &Scene) -> Vec<Table> {
+    let one = |m: &scene::Material| match &m.behavior {
+        Behavior::Rigid(Motion::Free { force, .. }) => force.clone(),
+        _ => Table(vec![(0.0, [0.0; 3])]),
+    };
+    scene.materials.iter().map(one).collect()
+}
+
+/// What these forces make of the mass of the bodies [m/s²].
+pub fn accelerations(scene: &Scene) -> Vec<Table> {
+    let of = |(m, force): (usize, Table)| {
+        if !force.acts() {
+            return force;
+        }
+        let volume = |body: &scene::Body| count(scene, body) as f64 * particle_volume(scene, body);
+        let mass = scene.materials[m].density * scene.bodies_of(m).map(volume).sum::<f64>();
+        Table(force.0.into_iter().map(|(t, f)| (t, f.map(|f| f / mass))).collect())
+    };
+    forces(scene).into_iter().enumerate().map(of).collect()
+}
+
+/// The axes along which each material does not move, and about which it does not turn.
+fn locked(scene: &Scene) -> Vec<[bool; 6]> {
+    let one = |m: &scene::Material| match m.behavior {
+        Behavior::Rigid(Motion::Free { locked: [x, y, z], locked_turns: [u, v, w], .. }) => {
+            [x, y, z, u, v, w]
+        }
+        _ => [false; 6],
+    };
+    scene.materials.iter().map(one).collect()
+}
