@@ -1,3 +1,4 @@
+use crate::bonds::{common_velocity, each_group};
 use crate::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, Reactions};
 use crate::node::{Impulse, Motion, Sums, Surface};
 use crate::reactions::{NUMBERS, Reaction};
@@ -90,6 +91,10 @@ impl Contact {
         if at.fields.len() < 2 {
             return;
         }
+        let bonds = self.pairs.iter().any(|pair| pair.law.bond().is_some());
+        if bonds {
+            io.impulse.iter_mut().for_each(|impulse| impulse.set_group(0));
+        }
         for pair in &self.pairs {
             let slot = |field: FieldId| at.fields.iter().position(|f| f.field == field);
             let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
@@ -117,7 +122,10 @@ impl Contact {
                 let Some((exchange, bond)) = self.exchange(pair, &sides, node, &past) else {
                     continue;
                 };
-                if bond == Bond::Holds && past.time == 0.0 {
+                if bonds && bond == Bond::Holds {
+                    join(io.impulse, at.fields.len(), n, [a, b]);
+                }
+                if bond == Bond::Holds && time == 0.0 {
                     // what is one body has one velocity at a node, and nothing is exchanged for that
                     for (i, sign) in [(0, 1.0), (1, -1.0)] {
                         let impulse = [0, 1, 2].map(|a| sign * (exchange.normal[a] + exchange.friction[a]));
@@ -139,6 +147,9 @@ impl Contact {
                 }
             }
             reaction.store(&mut io.reactions[pair.tile]);
+        }
+        if bonds && self.interpolated && at.fields.len() > 2 {
+            begin_as_one(at, io);
         }
     }
 
@@ -194,6 +205,35 @@ impl Contact {
         let moved = |a: usize| side.surface.moment(a) / side.sums.mass() + side.elapsed * side.velocity[a];
         let center: [f64; 3] = std::array::from_fn(|a| node[a] - moved(a));
         self.surfaces[side.material].surface(dot(n, center) / self.lattice.cell)
+    }
+}
+
+/// More than two that are one begin with one velocity, which pair by pair they do not find.
+fn begin_as_one(at: &At<'_>, io: &mut Meeting<'_>) {
+    each_group(at.fields.len(), io.impulse, |n, members, _| {
+        if members.len() < 3 || !members.iter().all(|&slot| at.fields[slot].begins) {
+            return;
+        }
+        let velocity = common_velocity(members.iter().map(|slot| &io.motion[NODES * slot + n]));
+        for &slot in members {
+            let motion = &mut io.motion[NODES * slot + n];
+            let v = motion.velocity();
+            motion.begin_with([0, 1, 2].map(|a| velocity[a] - v[a]));
+        }
+    });
+}
+
+/// Two fields at node n of a block, by their places, are one from here on, with all with which they are one.
+fn join(impulse: &mut [Impulse], fields: usize, n: usize, pair: [usize; 2]) {
+    let [a, b] = pair.map(|slot| match impulse[NODES * slot + n].group() {
+        0 => 1 + slot,
+        group => group,
+    });
+    for slot in 0..fields {
+        let one = &mut impulse[NODES * slot + n];
+        if pair.contains(&slot) || one.group() == a || one.group() == b {
+            one.set_group(a.min(b));
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use simd::Simd;
 pub struct DriveNodes;
 
 /// Of a node's mass; a grip that holds less of it does not hold the node.
-const LEAST: f64 = 1e-9;
+pub const LEAST: f64 = 1e-9;
 
 engine::task! { Nodes task DriveNodes {
     requires now { step: OwnStep, driven: DriveSums }

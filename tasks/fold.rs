@@ -5,6 +5,8 @@ use crate::pic::Pic;
 use crate::reactions::Reaction;
 use engine::graph::task::{At, Body};
 use grid::Lattice;
+use physics::contact::cross;
+use physics::solid::add;
 use simd::Simd;
 
 /// m_q += m_g, p_q += R p_g, f_q += R f_g, V_q += V_g: what a block's particles gave to nodes g beyond a face goes to their
@@ -29,39 +31,73 @@ engine::task! { Buffers task Fold {
 impl Body for Fold {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let dt = io.step[0].size;
         for face in self.images.reached(at) {
-            let mut reaction = Reaction::default();
+            let mut change = Change::<S>::none();
             for sums in io.sums.chunks_exact_mut(at.origin.shape.buffer_len()) {
-                self.fold(at, &face, dt, sums, &mut reaction);
+                fold(at, &face, sums, &mut change);
             }
+            let reaction = change.reaction(&self.lattice, io.step[0].size, self.pic);
             reaction.store(&mut io.reactions[self.tiles[face.face]]);
         }
     }
 }
 
-impl Fold {
-    fn fold(&self, at: &At<'_>, face: &Reached, dt: f64, sums: &mut [Sums], reaction: &mut Reaction) {
-        let pic = self.pic.of(dt);
-        let mut count = |node: [i32; 3], sign: f64, sums: &Sums| {
-            let (force, momentum) = (sums.force(), sums.momentum());
-            let impulse = [0, 1, 2].map(|a| sign * (dt * force[a] + pic * momentum[a]));
-            reaction.add(self.lattice.position(node), impulse, [0.0; 3]);
+#[inline(always)]
+fn fold<S: Simd>(at: &At<'_>, face: &Reached, sums: &mut [Sums], change: &mut Change<S>) {
+    let turned = S::load(&Sums::signs(face.signs));
+    for (ghost, image) in face.ghosts() {
+        let given = std::mem::take(&mut sums[at.in_buffer(ghost)]);
+        if given.mass() == 0.0 {
+            continue;
+        }
+        let given = S::load(&given.0);
+        change.add(ghost, S::splat(0.0) - given);
+        if let Some(image) = image {
+            let (sum, more) = (&mut sums[at.in_buffer(image)].0, turned * given);
+            (S::load(sum) + more).store(sum);
+            change.add(image, more);
+        }
+    }
+    for node in face.on.iter() {
+        let sum = &mut sums[at.in_buffer(node)];
+        let before = S::load(&sum.0);
+        sum.hold(face.signs);
+        change.add(node, S::load(&sum.0) - before);
+    }
+}
+
+/// Σ of what changes of the sums of nodes, and Σ of it times the node's index along each axis.
+struct Change<S>([S; 4]);
+
+impl<S: Simd> Change<S> {
+    #[inline(always)]
+    fn none() -> Self {
+        Self([S::splat(0.0); 4])
+    }
+
+    #[inline(always)]
+    fn add(&mut self, node: [i32; 3], change: S) {
+        self.0[0] = self.0[0] + change;
+        for axis in 0..3 {
+            self.0[1 + axis] = S::splat(f64::from(node[axis])).fma(change, self.0[1 + axis]);
+        }
+    }
+
+    /// The impulse Δt f + β p of a step, and its torque.
+    fn reaction(&self, lattice: &Lattice, dt: f64, pic: Pic) -> Reaction {
+        let pic = pic.of(dt);
+        let impulse = |sum: &S| {
+            let mut line = Sums::default();
+            sum.store(&mut line.0);
+            [0, 1, 2].map(|a| dt * line.force()[a] + pic * line.momentum()[a])
         };
-        for (ghost, image) in face.ghosts() {
-            let given = std::mem::take(&mut sums[at.in_buffer(ghost)]);
-            count(ghost, -1.0, &given);
-            let Some(image) = image else { continue };
-            let sum = &mut sums[at.in_buffer(image)];
-            count(image, -1.0, sum);
-            sum.add_image(&given, face.signs);
-            count(image, 1.0, sum);
+        let [whole, x, y, z] = self.0.each_ref().map(impulse);
+        let mut reaction = Reaction::default();
+        reaction.add(lattice.lower, whole, [0.0; 3]);
+        for (axis, moment) in [x, y, z].into_iter().enumerate() {
+            let arm = [0, 1, 2].map(|a| if a == axis { lattice.cell } else { 0.0 });
+            reaction.torque = add(reaction.torque, cross(arm, moment));
         }
-        for node in face.on.iter() {
-            let sum = &mut sums[at.in_buffer(node)];
-            count(node, -1.0, sum);
-            sum.hold(face.signs);
-            count(node, 1.0, sum);
-        }
+        reaction
     }
 }

@@ -23,31 +23,24 @@ impl Body for Integrate {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let fields = io.sums.chunks_exact(NODES).zip(io.motion.chunks_exact_mut(NODES)).zip(at.fields);
         for ((sums, motions), field) in fields {
+            let power = integrate::<S>(sums, motions, field.tick, self.least_mass);
             if field.begins {
-                let work = field.step * power::<S>(sums, motions, self.least_mass);
-                count(&mut io.work[0], io.step[field.material].first, work);
+                count(&mut io.work[0], io.step[field.material].first, field.step * power);
             }
-            integrate::<S>(sums, motions, field.tick, self.least_mass);
         }
     }
 }
 
-/// v_I ← v_I + Δt f_I / m_I
+/// v_I ← v_I + Δt f_I / m_I; Σ f_I · v⁰_I [W]
 #[inline(always)]
-pub fn integrate<S: Simd>(sums: &[Sums], motions: &mut [Motion], dt: f64, least_mass: f64) {
+pub fn integrate<S: Simd>(sums: &[Sums], motions: &mut [Motion], dt: f64, least_mass: f64) -> f64 {
+    let mut power = S::splat(0.0);
     for (sum, motion) in sums.iter().zip(motions) {
         let factor = if sum.mass() > least_mass { dt / sum.mass() } else { 0.0 };
-        (S::load(&motion.0) + S::splat(factor) * sum.force_line()).store(&mut motion.0);
-    }
-}
-
-/// Σ f_I · v⁰_I [W]
-#[inline(always)]
-fn power<S: Simd>(sums: &[Sums], motions: &[Motion], least_mass: f64) -> f64 {
-    let mut power = S::splat(0.0);
-    for (sum, motion) in sums.iter().zip(motions).filter(|(sum, _)| sum.mass() > least_mass) {
-        let velocity = S::load(&motion.0);
-        power = sum.force_line::<S>().fma(velocity - velocity.swap_halves(), power);
+        let (force, velocity) = (sum.force_line::<S>(), S::load(&motion.0));
+        // nodes that carry nothing rest
+        power = force.fma(velocity - velocity.swap_halves(), power);
+        (velocity + S::splat(factor) * force).store(&mut motion.0);
     }
     power.lanes()[..3].iter().sum()
 }

@@ -53,7 +53,7 @@ engine::labels! {
     DriveGift: node::Gift     = node("N s/kg, m/s", "what drives gave, a mass that they hold (3), 0, (v0 + v)/2 (3), 0").values(3);
     ContactSums: node::Surface = node("mixed", "m, m x (3), sum V grad S (3), m b").partials(3).where_fields_meet();
     ToolSums: node::Surface   = node("mixed", "m, m x (3), sum V grad S (3), 0 near tools").partials(3).where_near();
-    ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), broken bonds, friction (3), 0")
+    ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), broken bonds, friction (3), what bonds make one")
                                     .values(3).lives(Step).where_fields_meet();
     NodeMotion: node::Motion  = node("m/s, kg", "v (3), m, change of v in this step (3), 0").values(3).lives(Step);
     LoadChange: node::Change  = node("m/s", "what loads have changed of v in this step (3), 0 (5)").lives(Step);
@@ -79,7 +79,7 @@ engine::labels! {
     StepOver: Wide            = run("1", "1 where all materials are together again: the step is over").lives(Step);
     RigidSolved: Wide         = run("1", "1 where the motion of all free rigid bodies is found").lives(Step);
     ContactWork: [ExactSum; 2] = run("J", "kinetic energy lost in contact: by friction, by impact").exact();
-    StressWork: ExactSum      = material("J", "work that internal forces would do in a step if they were those of its end").exact();
+    StressWork: ExactSum      = material("J", "-V0 tau:(1 - (1 + dt L)^-1): work of internal forces in a step, if they were those of its end").exact();
     ForceWork: [ExactSum; 2]  = run("J", "work that internal forces would do in a step at the velocities of its beginning; of that, in first steps").exact();
     TransferLoss: ExactSum    = run("J", "kinetic energy that nodes gain and particles do not").exact();
     Reactions: [ExactSum; NUMBERS] = run("N s, N m s, J", "impulse (3), its torque about the origin (3) and work of each giver")

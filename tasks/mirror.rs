@@ -19,9 +19,11 @@ impl Body for Mirror {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         for motions in io.motion.chunks_exact_mut(at.origin.shape.buffer_len()) {
             for face in self.images.reached(at) {
+                let signs = S::load(&Motion::signs(face.signs));
                 for (ghost, image) in face.ghosts() {
-                    let image = image.map(|image| motions[at.in_buffer(image)].image(face.signs));
-                    motions[at.in_buffer(ghost)] = image.unwrap_or(Motion::default());
+                    let image =
+                        image.map_or(S::splat(0.0), |image| signs * S::load(&motions[at.in_buffer(image)].0));
+                    image.store(&mut motions[at.in_buffer(ghost)].0);
                 }
             }
         }

@@ -31,12 +31,10 @@ impl Sums {
         let [_, x, y, z, ..] = self.0.0;
         [x, y, z]
     }
-    /// Adds what particles gave to the image of this node beyond a face, with momentum and force turned by R.
+    /// The signs of a line whose momentum and force R turns.
     #[inline(always)]
-    pub fn add_image(&mut self, image: &Sums, signs: [f64; 3]) {
-        for (lane, (sum, part)) in self.0.0.iter_mut().zip(image.0.0).enumerate() {
-            *sum += part * [1.0, signs[0], signs[1], signs[2], signs[0], signs[1], signs[2], 1.0][lane];
-        }
+    pub fn signs([x, y, z]: [f64; 3]) -> Wide {
+        Wide([1.0, x, y, z, x, y, z, 1.0])
     }
     /// Adds a momentum.
     #[inline(always)]
@@ -149,6 +147,11 @@ impl Gift {
     pub fn new([x, y, z]: [f64; 3], [u, v, w]: [f64; 3]) -> Self {
         Self(Wide([x, y, z, 0.0, u, v, w, 0.0]))
     }
+    /// More of it along an axis, for each mass that drives hold [N s/kg].
+    #[inline(always)]
+    pub fn give(&mut self, axis: usize, more: f64) {
+        self.0.0[axis] += more;
+    }
     /// For each mass that drives hold [N s/kg].
     #[inline(always)]
     pub fn share(&self) -> [f64; 3] {
@@ -230,12 +233,10 @@ impl Motion {
         let [x, y, z, _, dx, dy, dz, _] = self.0.0;
         [x - 0.5 * dx, y - 0.5 * dy, z - 0.5 * dz]
     }
-    /// How the image of the node beyond a face moves.
+    /// The signs with which the image of a node beyond a face moves; it has no mass.
     #[inline(always)]
-    pub fn image(&self, signs: [f64; 3]) -> Self {
-        let [x, y, z, _, dx, dy, dz, _] = self.0.0;
-        let [a, b, c] = signs;
-        Self(Wide([a * x, b * y, c * z, 0.0, a * dx, b * dy, c * dz, 0.0]))
+    pub fn signs([x, y, z]: [f64; 3]) -> Wide {
+        Wide([x, y, z, 0.0, x, y, z, 0.0])
     }
     /// Adds `dv` to the velocity that the step begins with: particles are not told of it.
     #[inline(always)]
@@ -271,7 +272,7 @@ impl Change {
     }
 }
 
-/// What contact has given to one field at a node in this step: normal impulse (3), whether a bond broke, friction (3), 0.
+/// What contact has given to one field at a node in this step: normal impulse (3), whether a bond broke, friction (3), what bonds make one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Impulse(pub Wide);
@@ -292,6 +293,16 @@ impl Impulse {
     #[inline(always)]
     pub fn break_bond(&mut self) {
         self.0.0[3] = 1.0;
+    }
+    /// Which fields at the node bonds make one: 1 + the place of the first of them among the fields of the block; 0: none.
+    #[inline(always)]
+    pub fn group(&self) -> usize {
+        self.0.0[7] as usize
+    }
+    /// They are one with others.
+    #[inline(always)]
+    pub fn set_group(&mut self, group: usize) {
+        self.0.0[7] = group as f64;
     }
     /// The part of friction [N s].
     #[inline(always)]

@@ -1,14 +1,15 @@
 use crate::fault::{self, Who};
 use crate::labels::{
     Deformation, Fault, FirstEvent, History, Identity, InitialVolume, KirchhoffStress, OwnStep, Position,
-    StiffnessBound, VelocityGradient, Volume,
+    StiffnessBound, StressWork, VelocityGradient, Volume,
 };
 use engine::graph::task::{At, Body};
 use physics::law::{Events, Kinematics, Law, MAX_HISTORY, fits};
-use physics::tensor::{determinant, increment, multiply};
+use physics::tensor::{backward_work, determinant, increment, multiply};
 use simd::{Simd, load, store};
 
-/// F ← (1 + Δt L) F, then τ(F, history) of one law, V = J V⁰, and the bound of ρ₀ c².
+/// F ← (1 + Δt L) F, then τ(F, history) of one law, V = J V⁰, and the bound of ρ₀ c². For the account of energy (see `StressWork`),
+/// −V⁰ τ : (1 − (1 + Δt L)⁻¹).
 ///
 /// The law is a type, chosen where the recipe is built. It may freeze a particle that carries no stress any
 /// more: that particle keeps its F.
@@ -23,6 +24,7 @@ engine::task! { Particles task Stress [L: Law] {
         stiffness: StiffnessBound,
         fault: Fault,
         first: FirstEvent,
+        work: StressWork,
     }
     modifies { deformation: Deformation, history: History, volume: Volume }
 }}
@@ -31,7 +33,7 @@ impl<L: Law> Body for Stress<L> {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         const { assert!(fits::<L>(), "a law that declares too much") };
-        let dt = S::splat(io.step[0].size);
+        let (dt, mut work) = (S::splat(io.step[0].size), S::splat(0.0));
         let tiles = io.gradient.iter().zip(io.deformation.iter_mut()).zip(io.stress.iter_mut());
         let scalars = io.initial_volume.iter().zip(io.volume.iter_mut()).zip(io.stiffness.iter_mut());
         for (tile, (((l, f), tau), ((v0, volume), stiffness))) in tiles.zip(scalars).enumerate() {
@@ -61,6 +63,9 @@ impl<L: Law> Body for Stress<L> {
             let j = S::select(frozen, S::load(volume), kinematics.j * S::load(v0));
             j.store(volume);
             store(&response.kirchhoff, tau);
+            // made anew: kept, it would not stay in registers
+            let step = increment(&load(l), dt);
+            work = S::load(v0).fnma(backward_work(&response.kirchhoff, &step), work);
             response.modulus.store(stiffness);
 
             let Events { own, inverted, .. } = response.events;
@@ -77,5 +82,6 @@ impl<L: Law> Body for Stress<L> {
                 who.is_at_fault(inverted & here, fault::INVERTED, kinematics.j, &mut io.fault[0]);
             }
         }
+        io.work[0].add(work.lanes().iter().sum());
     }
 }

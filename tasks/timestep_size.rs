@@ -73,7 +73,7 @@ impl TimestepSize {
             let alone = self.alone(speeds, m, clock.time);
             // a hair more, so that rounding does not cost a tick
             let ticks = if self.rigid[m] { 1.0 } else { (alone / clock.tick * (1.0 + 1e-9)).floor() };
-            let ticks = (left / (left / ticks.clamp(1.0, left)).ceil()).ceil();
+            let ticks = (left / (left / ticks.min(left).max(1.0)).ceil()).ceil();
             *step = MaterialStep {
                 time: clock.time,
                 size: ticks * clock.tick,
@@ -94,7 +94,7 @@ impl TimestepSize {
         let (slowest, longest) = deformable.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((fastest, tick));
 
         let left = clock.until - clock.time;
-        let ticks = (longest.min(left) / tick).ceil().clamp(1.0, self.most);
+        let ticks = (longest.min(left) / tick).ceil().min(self.most).max(1.0);
         let stable = if self.most > 1.0 { longest.min(ticks * tick) } else { tick };
         let limited_by = if ticks > 1.0 { slowest } else { fastest };
         let whole;

@@ -1,6 +1,6 @@
 use crate::labels::{
-    InitialVolume, KirchhoffStress, Mass, OwnStep, StiffnessBound, VelocityGradient, ViscousPressure,
-    ViscousWork, Volume,
+    InitialVolume, KirchhoffStress, Mass, OwnStep, StiffnessBound, StressWork, VelocityGradient,
+    ViscousPressure, ViscousWork, Volume,
 };
 use engine::graph::task::{At, Body};
 use physics::tensor::{backward_work, increment};
@@ -20,6 +20,7 @@ engine::task! { Particles task Viscosity {
     requires old { mass: Mass, initial_volume: InitialVolume }
     requires new { gradient: VelocityGradient, volume: Volume }
     requires now { step: OwnStep }
+    computes { spent: StressWork }
     modifies { stress: KirchhoffStress, work: ViscousWork, pressure: ViscousPressure, stiffness: StiffnessBound }
 }}
 
@@ -27,7 +28,7 @@ impl Body for Viscosity {
     #[inline(always)]
     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
         let (dt, cell) = (S::splat(io.step[0].size), S::splat(self.cell));
-        let tiny = S::splat(f64::MIN_POSITIVE);
+        let (tiny, mut all) = (S::splat(f64::MIN_POSITIVE), S::splat(0.0));
         let scalars = io.mass.iter().zip(io.initial_volume.iter()).zip(io.volume.iter());
         let tiles = io.gradient.iter().zip(io.stiffness.iter_mut()).zip(io.stress.iter_mut());
         let heat = io.work.iter_mut().zip(io.pressure.iter_mut());
@@ -44,13 +45,15 @@ impl Body for Viscosity {
                 (S::load(&tau[component]) - pressure).store(&mut tau[component]);
             }
             let zero = S::splat(0.0);
-            let all = [pressure, zero, zero, pressure, zero, pressure];
-            let after = backward_work(&all, &increment(&load(l), dt));
+            let isotropic = [pressure, zero, zero, pressure, zero, pressure];
+            let after = backward_work(&isotropic, &increment(&load(l), dt));
+            all = v0.fma(after, all);
             let spent = S::splat(0.5) * (S::load(known) * rate).fma(dt, after);
             (S::load(work) - spent).store(work);
             pressure.store(known);
             let hurry = self.law.hurry(c, rate, cell);
             (S::load(stiffness) * hurry * hurry).store(stiffness);
         }
+        io.spent[0].add(all.lanes().iter().sum());
     }
 }

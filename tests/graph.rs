@@ -241,7 +241,7 @@ fn step(scene: &Scene) -> TaskGraph {
 #[test]
 fn the_step_of_the_slab_is_two_sweeps_over_particles_around_one_over_nodes() {
     let graph = step(&common::problem("slab", &[]));
-    let gather = ["Mirror", "Weights", "Gather", "Stress", "StressWork", "Advance", "SignalSpeed"];
+    let gather = ["Mirror", "Weights", "Gather", "Stress", "Advance", "SignalSpeed"];
     let scatter = [
         "Weights",
         "MassFlow",
@@ -314,7 +314,6 @@ fn a_scene_has_the_tasks_that_it_asks_for_and_no_others() {
         "Weights",
         "Gather",
         "Stress",
-        "StressWork",
         "Advance",
         "SignalSpeed",
         "AdvanceClock",
@@ -381,7 +380,7 @@ fn the_table_and_json_have_each_task_once() {
     let scene = common::problem("slab-quick", &[]);
     let (graph, cycle) = (step(&scene), rates::at_rest(&scene));
     let tasks = graph.graph.node_count();
-    assert_eq!(tasks, 1 + 8 + 8 + 8 + 7 + 7 + 1);
+    assert_eq!(tasks, 1 + 8 + 8 + 8 + 6 + 6 + 1);
 
     let json = Shown { graph: &graph, cycle: &cycle }.to_json().to_string();
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");

@@ -44,7 +44,7 @@ fn a_common_step_is_one_tick_and_the_text_does_not_mention_it() {
         dot.contains("cluster_loop0 { label=\"loop until StepOver, once\"") && !dot.contains("cluster_tick")
     );
     assert!(
-        chart.to_text().starts_with("program step\n  loop until StepOver, once\n    graph tick: 40 tasks\n")
+        chart.to_text().starts_with("program step\n  loop until StepOver, once\n    graph tick: 38 tasks\n")
     );
     let json = Shown { graph: &graph, cycle: &cycle }.to_json();
     assert_eq!((&json["rates"]["mode"], &json["rates"]["most"]), (&"common".into(), &1.into()));

@@ -160,6 +160,43 @@ fn what_is_no_mesh_is_refused_with_its_reason() {
     }
 }
 
+/// Texts in any case and alphabet, and binary files whatever their head says; a count that the length does not explain is told.
+#[test]
+fn stl_files_are_read_as_others_write_them() {
+    let good = stl([-4.0, -4.0, 1.0], [28.0, 12.0, 2.9375]);
+    let mut binary = b"solid that is none\nfacet".to_vec();
+    binary.resize(80, b' ');
+    let corners: Vec<f32> = good
+        .lines()
+        .filter_map(|line| line.strip_prefix("vertex "))
+        .flat_map(|line| line.split(' ').map(|x| x.parse().expect("a number")))
+        .collect();
+    binary.extend((corners.len() as u32 / 9).to_le_bytes());
+    for triangle in corners.chunks(9) {
+        binary.extend([0; 12]);
+        triangle.iter().for_each(|x| binary.extend(x.to_le_bytes()));
+        binary.extend([0; 2]);
+    }
+    let latin = [b"\xEF\xBB\xBF \n".to_vec(), good.replacen("box", "K\u{00fc}be", 1).into_bytes()].concat();
+    let folder = folder(SLIDE, &good);
+    let path = folder.path().join("plate.stl");
+    let shape = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).expect("written");
+        read(folder.path(), &[]).map(|scene| scene.bodies[1].solid.clone())
+    };
+    let wanted = shape(good.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
+    for bytes in [good.to_uppercase().as_bytes(), good.replace('\n', "\r\n").as_bytes(), &latin, &binary] {
+        assert_eq!(shape(bytes).unwrap_or_else(|e| panic!("{:?}", miette::Report::new(e))), wanted);
+    }
+    let short = shape(&[&binary[..80], &[99, 0, 0, 0], &binary[84..]].concat()).expect_err("a wrong count");
+    let said = format!("{:?}", miette::Report::new(short));
+    assert!(said.contains("99 triangles"), "{said}");
+    std::fs::remove_file(&path).expect("removed");
+    std::fs::create_dir(&path).expect("a folder");
+    let said = format!("{:?}", miette::Report::new(read(folder.path(), &[]).expect_err("no file")));
+    assert!(said.contains("no ordinary file"), "{said}");
+}
+
 /// The scene that a run writes down finds its mesh from anywhere, and only that one.
 #[test]
 fn a_resolved_scene_knows_its_mesh() {
@@ -171,6 +208,12 @@ fn a_resolved_scene_knows_its_mesh() {
     std::fs::write(&file, &scene.resolved).expect("written");
     let again = read(&file, &[]).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.resolved, scene.resolved);
+    // a folder that was moved whole has it beside the scene
+    let beside = tempfile::tempdir().expect("a folder");
+    let lost = scene.resolved.replace(&folder.path().display().to_string(), "/nowhere");
+    std::fs::write(beside.path().join("scene.toml"), lost).expect("written");
+    std::fs::write(beside.path().join("plate.stl"), &good).expect("written");
+    assert!(read(beside.path(), &[]).is_ok());
     // it is the same physics, wherever the file lies
     let moved = self::folder(SLIDE, &good);
     let moved = read(moved.path(), &[]).unwrap_or_else(|e| panic!("{e}"));

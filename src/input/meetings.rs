@@ -71,6 +71,15 @@ fn contact(given: &Node, materials: &[Material], path: &str) -> Outcome<Contact>
     }
     pair.sort_unstable();
     let law = choose::tagged(contact::LAWS, "law", given, path)?;
+    let rigid = pair.iter().find(|&&m| matches!(materials[m].behavior, Behavior::Rigid(_)));
+    if let Some(&rigid) = rigid.filter(|_| law.asks_traction()) {
+        let message = format!(
+            "{:?} is rigid: it has no traction that `criterion` could ask for",
+            materials[rigid].name
+        );
+        let place = given.find("criterion").unwrap_or(given).place;
+        return Err(Fault::new(place, message).help("set `criterion = \"approach\"`"));
+    }
     Ok(Contact { between: pair, law, gap: given.get("gap").number() })
 }
 

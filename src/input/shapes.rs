@@ -71,7 +71,7 @@ pub(super) static SHAPE: Form = Form::One(&[
                 "file",
                 Form::Text,
                 "An STL file, text or binary, beside the scene or with its whole path. \
-                Its surface is closed and turns counterclockwise as seen from outside.",
+                Its surface is closed, turns counterclockwise as seen from outside and does not cut itself; shells of one file lie apart.",
             ),
             Field::required("unit", Form::Choice(UNITS), "What its numbers count: the format has no unit."),
             Field::optional(

@@ -97,24 +97,28 @@ pub fn push_forward<S: Simd>(f: &[S; 9], a: &[S; 6]) -> [S; 6] {
     [dot(0, 0), dot(0, 1), dot(0, 2), dot(1, 1), dot(1, 2), dot(2, 2)]
 }
 
-/// τ : (1 − A⁻¹) of a symmetric τ, the work of a final stress over a step A = 1 + Δt L; τ : (A − 1) where A crushes to a tenth.
+/// τ : (1 − A⁻¹) of a symmetric τ, the work of a final stress over a step A = 1 + Δt L. Where A crushes to less than a tenth, what would be
+/// infinite is not.
 #[inline(always)]
 pub fn backward_work<S: Simd>(tau: &[S; 6], a: &[S; 9]) -> S {
     let [xx, xy, xz, yy, yz, zz] = *tau;
-    // the cofactor of an entry, by cyclic neighbors
-    let cofactor = |i: usize, k: usize| {
-        let at = |m: usize, n: usize| a[3 * ((i + m) % 3) + (k + n) % 3];
-        at(1, 1).fms(at(2, 2), at(1, 2) * at(2, 1))
+    let [x, y, z] = [[a[0], a[1], a[2]], [a[3], a[4], a[5]], [a[6], a[7], a[8]]];
+    // u × v + w
+    let cross = |u: &[S; 3], v: &[S; 3], w: [S; 3]| {
+        let mut sum = w;
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            sum[i] = u[k].fnma(v[j], u[j].fma(v[k], sum[i]));
+        }
+        sum
     };
-    let (x, y, z) = (cofactor(0, 0), cofactor(0, 1), cofactor(0, 2));
-    let det = a[0].fma(x, a[1].fma(y, a[2] * z));
-    let sheared =
-        xy.fma(y + cofactor(1, 0), xz.fma(z + cofactor(2, 0), yz * (cofactor(1, 2) + cofactor(2, 1))));
-    let inverse = xx.fma(x, yy.fma(cofactor(1, 1), zz.fma(cofactor(2, 2), sheared)));
-    let forward = xx
-        .fma(a[0], yy.fma(a[4], zz.fma(a[8], xy.fma(a[1] + a[3], xz.fma(a[2] + a[6], yz * (a[5] + a[7]))))));
-    let whole = trace(tau);
-    S::select(S::splat(0.1).lt(det), whole - inverse / det, forward - whole)
+    let dot = |u: &[S; 3], v: &[S; 3]| u[0].fma(v[0], u[1].fma(v[1], u[2] * v[2]));
+    let none = [S::splat(0.0); 3];
+    // with rows x, y, z of A: cof A has the rows y × z, z × x, x × y
+    let normal = cross(&x, &y, none);
+    let mixed = cross(&x, &[xy, yy, yz], cross(&[xx, xy, xz], &y, none));
+    let (cofactors, det) = (dot(&[xz, yz, zz], &normal) + dot(&z, &mixed), dot(&z, &normal));
+    trace(tau) - cofactors / det.max(S::splat(0.1))
 }
 
 /// A⁻¹ B; infinite or not a number where A is singular.

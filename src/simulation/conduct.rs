@@ -13,8 +13,8 @@ use engine::graph::build::TaskGraph;
 use engine::program::Loop;
 use engine::schema::Label;
 use grid::Level;
-use scene::{Leaving, Scene};
-use tasks::labels::{StepOver, Time};
+use scene::{Behavior, Leaving, RigidMotion, Scene};
+use tasks::labels::{RigidSolved, StepOver, Time};
 
 /// Conducts a program of a simulation.
 pub struct Direction<'a> {
@@ -41,7 +41,7 @@ impl Conductor for Direction<'_> {
         materials: &[MaterialData],
         shared: &mut Shared,
     ) -> bool {
-        let back = self.scene.run.leaving == Leaving::Reflect;
+        let back = self.scene.run.leaving == Leaving::Reflect && !self.is_whole(particle);
         if back {
             leaving::mirror(self.scene, &self.level, particle, materials, shared);
         }
@@ -69,10 +69,15 @@ impl Conductor for Direction<'_> {
         looped: &Loop,
         rounds: u64,
         enough: bool,
-        _warehouse: &Warehouse,
+        warehouse: &Warehouse,
     ) -> Result<(), RunError> {
-        let until = looped.until.name();
-        if enough { Ok(()) } else { Err(RunError::Rounds { until, rounds, step: self.step }) }
+        match (enough, looped.until) {
+            (true, _) => Ok(()),
+            (false, until) if until == RigidSolved::ID => {
+                Err(fault::unfound(self.scene, warehouse, rounds, self.step))
+            }
+            (false, until) => Err(RunError::Rounds { until: until.name(), rounds, step: self.step }),
+        }
     }
 }
 
@@ -94,9 +99,18 @@ impl Direction<'_> {
         Err(fault::collapsed(self.scene, &clock, self.step))
     }
 
+    /// Whether a particle is part of a free rigid body.
+    fn is_whole(&self, particle: &Traveler) -> bool {
+        let material = &self.scene.materials[particle.material];
+        matches!(material.behavior, Behavior::Rigid(RigidMotion::Free { .. }))
+    }
+
     fn count(&mut self, relocation: &Relocation, materials: &[MaterialData]) -> Result<(), RunError> {
         *self.updates += relocation.particles;
         self.ledger.reflect(relocation.reflected);
+        if let Some(particle) = relocation.left().iter().find(|particle| self.is_whole(particle)) {
+            return Err(fault::escaped(self.scene, particle, self.clock.time));
+        }
         if let Some(first) = relocation.left().first() {
             if self.scene.run.leaving == Leaving::Error {
                 let (number, time) = (relocation.left().len(), self.clock.time);

@@ -9,6 +9,7 @@ use grid::Level;
 use scene::Scene;
 use simd::Wide;
 use tasks::fault::{INVERTED, MEETS};
+use tasks::rigid::state::{RigidState, RigidTrial};
 use tasks::{labels, recipes};
 
 /// Why a run could not begin or had to stop.
@@ -95,6 +96,37 @@ pub enum RunError {
         step: u64,
         /// What to do.
         remedy: &'static str,
+    },
+    /// A free rigid body reached the end of the domain.
+    #[error(
+        "the free rigid body {body} leaves the domain at ({}) mm, t = {time:.6e} s, and its particles are not taken out or put back alone. \
+         Enlarge the domain, or end the run before",
+        millimeters(position)
+    )]
+    Escaped {
+        /// The body.
+        body: String,
+        /// Where a particle of it left [m].
+        position: [f64; 3],
+        /// When [s].
+        time: f64,
+    },
+    /// The motion of a free rigid body was not found.
+    #[error(
+        "how the free rigid body {body} moves was not found in {rounds} rounds, t = {time:.6e} s, step {step}: its mass, {mass:.3e} kg, may be too \
+         small against that of the matter which it rubs. Give it a larger density, less friction, or a bond; or lower run.cfl"
+    )]
+    Unfound {
+        /// The body.
+        body: String,
+        /// Its mass [kg].
+        mass: f64,
+        /// Rounds taken.
+        rounds: u64,
+        /// When [s].
+        time: f64,
+        /// The step.
+        step: u64,
     },
     /// A free rigid body that got into something rigid.
     #[error(
@@ -193,6 +225,15 @@ pub fn find(scene: &Scene, warehouse: &Warehouse, time: f64, step: u64) -> Optio
     })
 }
 
+/// The error of a free rigid body that leaves with a particle.
+pub fn escaped(scene: &Scene, particle: &Traveler, time: f64) -> RunError {
+    RunError::Escaped {
+        body: scene.materials[particle.material].name.clone(),
+        position: particle.position,
+        time,
+    }
+}
+
 /// The error of a particle that left.
 pub fn left(scene: &Scene, first: &Traveler, number: usize, time: f64) -> RunError {
     RunError::Left {
@@ -214,5 +255,22 @@ pub fn collapsed(scene: &Scene, clock: &Clock, number: u64) -> RunError {
         number,
         speed: clock.speed,
         material: material.to_owned(),
+    }
+}
+
+/// The error of a free rigid body whose motion was not found.
+pub fn unfound(scene: &Scene, warehouse: &Warehouse, rounds: u64, step: u64) -> RunError {
+    let shared = &warehouse.shared;
+    let body = |m: usize| shared.get::<RigidState>(labels::RigidMotion::ID, m);
+    let lost =
+        |m: usize| shared.get::<RigidTrial>(labels::RigidTrial::ID, m).found == 0.0 && body(m).free != 0.0;
+    let first = (0..scene.materials.len()).find(|&m| lost(m)).unwrap_or(0);
+    let time = shared.get::<Clock>(labels::Time::ID, 0).time;
+    RunError::Unfound {
+        body: scene.materials[first].name.clone(),
+        mass: body(first).mass,
+        rounds,
+        time,
+        step,
     }
 }

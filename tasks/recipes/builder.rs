@@ -6,6 +6,7 @@ use crate::boundary::Boundary;
 use crate::drive::Drive;
 use crate::drive_nodes::DriveNodes;
 use crate::drive_scatter::DriveScatter;
+use crate::drive_sum::DriveSum;
 use crate::drives::{DriveMotion, Drives};
 use crate::fold::Fold;
 use crate::fold_surfaces::FoldSurfaces;
@@ -230,6 +231,13 @@ impl<'a> Builder<'a> {
         if let Some(drives) = self.drives(material) {
             let (images, lattice) = (self.images(), self.lattice);
             self.add(material, "drive", DriveScatter { drives, images, lattice });
+        }
+    }
+
+    /// Between graphs of one tick.
+    pub(super) fn drive_sum(&mut self) {
+        if !self.scene.drives.is_empty() {
+            self.all("drive", DriveSum);
         }
     }
 

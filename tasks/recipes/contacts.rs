@@ -3,17 +3,21 @@ use super::builder::{Builder, fields, half_size, spacing};
 use super::givers::Giver;
 use super::tools::{is_free, meets_tools, tools};
 use crate::bond_flow::BondFlow;
+use crate::bonds::Bonds;
 use crate::break_bond::BreakBond;
 use crate::contact::{Contact, FieldPair};
 use crate::contact_begin::ContactBegin;
 use crate::contact_flow::ContactFlow;
 use crate::contact_power::ContactPower;
 use crate::contact_scatter::ContactScatter;
+use crate::drive_bonds::DriveBonds;
+use crate::hold_bonds::HoldBonds;
 use crate::tool_scatter::ToolScatter;
 use crate::tools::Tools;
 use engine::data::fields::FieldId;
 use physics::contact::ContactLaw;
 use physics::contact::surface::SurfaceTable;
+use physics::faces::FaceCondition;
 use scene::Behavior;
 
 impl<'a> Builder<'a> {
@@ -78,6 +82,38 @@ impl<'a> Builder<'a> {
     pub(super) fn contact_begin(&mut self) {
         if self.meetings().next().is_some() {
             self.all("contact", ContactBegin);
+        }
+    }
+
+    /// Bonds between deformable materials, if something may move one side of them alone.
+    fn bonds(&self) -> Option<Bonds> {
+        let fields = fields(self.scene);
+        let bonded: Vec<_> = self.meetings().filter(|(_, c)| c.law.bond().is_some()).collect();
+        let pairs = bonded.iter().map(|(number, c)| {
+            let tile = self.givers.tile(Giver::Contact(*number)).unwrap_or(0);
+            (c.between.map(|m| FieldId::new(fields.of(m).start)), tile)
+        });
+        let is_bonded = |m: usize| bonded.iter().any(|(_, c)| c.between.contains(&m));
+        let alone = |m: usize| {
+            let meets = self.scene.contacts.iter().filter(|c| c.between.contains(&m)).count() > 1;
+            is_bonded(m) && (meets || self.scene.drives.iter().any(|drive| drive.material == m))
+        };
+        let walls = self.scene.faces.iter().any(|face| face.wall().is_some());
+        let asked = !bonded.is_empty() && (walls || (0..self.scene.materials.len()).any(alone));
+        asked.then(|| Bonds { pairs: pairs.collect(), lattice: self.lattice })
+    }
+
+    /// At the end of a tick bonds hold.
+    pub(super) fn hold_bonds(&mut self) {
+        if let Some(bonds) = self.bonds() {
+            self.all("contact", HoldBonds(bonds));
+        }
+    }
+
+    /// And take along what is bonded to driven matter.
+    pub(super) fn drive_bonds(&mut self) {
+        if let Some(bonds) = self.bonds().filter(|_| !self.scene.drives.is_empty()) {
+            self.all("drive", DriveBonds(bonds));
         }
     }
 

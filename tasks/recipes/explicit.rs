@@ -12,7 +12,6 @@ use crate::nodal_velocity::NodalVelocity;
 use crate::scatter::Scatter;
 use crate::signal_speed::SignalSpeed;
 use crate::stress_flow::StressFlow;
-use crate::stress_work::StressWork;
 use crate::timestep_size::TimestepSize;
 use engine::program::Script;
 use engine::schema::Label;
@@ -27,8 +26,8 @@ pub fn step(scene: &Scene) -> Vec<Script> {
     vec![Script::Loop { body: tick(scene), until: StepOver::ID, most }]
 }
 
-/// The most rounds of a search for the motion of free rigid bodies: two or three are usual.
-const ROUNDS: u64 = 60;
+/// The most rounds of a search for the motion of free rigid bodies (see `crate::rigid::newton`): two or three are usual.
+const ROUNDS: u64 = 150;
 
 /// A tick: the step of the fastest material, and a part of the steps of slower ones. Where contact moves rigid bodies, their motion is
 /// searched for in between.
@@ -40,6 +39,7 @@ fn tick(scene: &Scene) -> Vec<Script> {
         nodes_to_particles(&mut recipe);
         return vec![Script::Graph("tick", recipe.finish())];
     }
+    recipe.drive_sum();
     let [mut round, mut rest] = [Builder::new(scene), Builder::new(scene)];
     round.rigid_round();
     nodes_to_particles(&mut rest);
@@ -87,7 +87,9 @@ fn forces_on_nodes(recipe: &mut Builder<'_>) {
 fn nodes_to_particles(recipe: &mut Builder<'_>) {
     if recipe.deformable().next().is_some() {
         recipe.rigid_push();
+        recipe.hold_bonds();
         recipe.drive_nodes();
+        recipe.drive_bonds();
         recipe.boundary();
         recipe.contact_power();
         recipe.load_power();
@@ -105,7 +107,6 @@ fn nodes_to_particles(recipe: &mut Builder<'_>) {
                 recipe.force_power(m);
                 recipe.stress(m, law);
                 recipe.viscosity(m);
-                recipe.add(m, "", StressWork);
                 recipe.drive(m);
                 recipe.advance(m);
                 recipe.add(m, "", SignalSpeed);

@@ -28,8 +28,28 @@ impl Default for Balance {
 const TOLERANCE: f64 = 1e-12;
 /// Of the momenta of the body and of nodes: where they just touch, or move along together, little pushes.
 const OF_MOMENTUM: f64 = 0.01;
-/// After so many rounds steps are halved: where the equations jump, whole ones may go round in circles.
-const PATIENCE: f64 = 12.0;
+/// Rounds of Newton's method alone: two or three are usual, more where friction has to choose between sticking and slipping. A body
+/// far lighter than what it touches may go round in circles then.
+const PATIENCE: f64 = 8.0;
+/// From then on, so many rounds by the secant of the contact law, with smaller and smaller steps, and two of Newton's method, …
+const SPELL: f64 = 6.0;
+
+/// How a round is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// By the secant stiffness, and not by the derivative.
+    pub secant: bool,
+    /// The part of the step that is taken.
+    pub share: f64,
+}
+
+/// The round after so many.
+pub fn turn(rounds: f64) -> Turn {
+    let (spell, within) =
+        (((rounds - PATIENCE) / (SPELL + 2.0)).floor(), (rounds - PATIENCE).rem_euclid(SPELL + 2.0));
+    let secant = rounds >= PATIENCE && within < SPELL;
+    Turn { secant, share: if secant { (0.7 * 0.8f64.powf(spell)).max(0.15) } else { 1.0 } }
+}
 
 impl Balance {
     /// Counts an impulse on the matter at an arm r from the center of the body, with its stiffness and the momentum m |v| of the matter.
@@ -79,11 +99,11 @@ pub fn seek(body: &RigidState, trial: &mut RigidTrial, balance: &Balance, locked
         part(&left, first) <= TOLERANCE * (pushes + part(&change, first) + OF_MOMENTUM * whole * arm)
     };
     let found = small(0, 1.0, balance.0[42]) && small(3, gyration, balance.0[43]);
-    trial.rounds += 1.0;
+    let share = turn(trial.rounds).share;
+    (trial.rounds, trial.found) = (trial.rounds + 1.0, f64::from(u8::from(found)));
     if found {
         return true;
     }
-    let share = if trial.rounds > PATIENCE { 0.5 } else { 1.0 };
     // A is positive, and so is what pushing back adds to it: there is an inverse unless a number is none
     if let Some(step) = k.lu().solve(&left) {
         trial.now = (now - share * step).into();

@@ -1,6 +1,6 @@
 use crate::labels::{NodeMotion, OwnStep, RigidBalance, RigidMotion, RigidSite, RigidTrial};
 use crate::rigid::bodies::Bodies;
-use crate::rigid::newton::Balance;
+use crate::rigid::newton::{Balance, turn};
 use engine::graph::task::{At, Body};
 use physics::contact::ContactLaw;
 use simd::Simd;
@@ -18,7 +18,9 @@ impl Body for RigidRound {
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let mut sums = vec![Balance::default(); self.0.tools.len()];
         self.0.each_push(at, (&io.site, &io.motion), (&io.bodies, &io.trial), |push| {
-            let stiffness = push.meeting.law.stiffness(&push.pair);
+            let (law, pair) = (&push.meeting.law, &push.pair);
+            let stiffness =
+                if turn(io.trial[push.body].rounds).secant { law.secant(pair) } else { law.stiffness(pair) };
             sums[push.number].add(push.arm, push.impulse(), &stiffness, push.momentum());
         });
         for (tool, sum) in self.0.tools.iter().zip(sums).filter(|(_, sum)| *sum != Balance::default()) {

@@ -38,8 +38,10 @@ pub struct RigidTrial {
     pub held: [f64; 3],
     /// What its force gives in the tick [N s].
     pub push: [f64; 3],
+    /// 1: found.
+    pub found: f64,
     /// Makes whole cache lines.
-    pub unused: [f64; 5],
+    pub unused: [f64; 4],
 }
 
 impl RigidTrial {

@@ -81,6 +81,10 @@ fn rigid_bodies() {
     assert!(error.contains("a mirror cuts"), "{error}");
     read_text("test", &half("locked = \"y\"\nlocked-turns = \"xz\""), &[], None)
         .expect("it moves along the mirror");
+    let criterion =
+        GOOD.replace("friction = 0.1", "friction = 0.1\ncriterion = \"approach-and-compression\"");
+    let (error, _) = refused(&criterion, &[]);
+    assert!(error.contains("no traction") && error.contains("approach"), "{error}");
     let two = with("").replace(
         "[[contact]]",
         "[material.other]\nlaw = \"rigid\"\nmotion = \"free\"\ndensity = 1\n[[body]]\nname = \"wall\"\nmaterial = \"other\"\n\

@@ -86,6 +86,7 @@ impl Chunk {
             OwnStep::ID,
             KirchhoffStress::ID,
             StiffnessBound::ID,
+            StressWork::ID,
             Fault::ID,
             FirstEvent::ID,
             Deformation::ID,
@@ -127,7 +128,14 @@ impl Chunk {
     }
 
     fn run(&mut self, task: &impl Runnable, isa: simd::Isa) {
-        for label in [Fault::ID, FirstEvent::ID, MaterialEnergy::ID, StateCount::ID, LargestHistory::ID] {
+        for label in [
+            Fault::ID,
+            FirstEvent::ID,
+            MaterialEnergy::ID,
+            StateCount::ID,
+            LargestHistory::ID,
+            StressWork::ID,
+        ] {
             clear(label.combine(), self.column(label));
         }
         let origin = Level { lower: [0.0; 3], cell: 1.0, cells: [4; 3] }.origin([0; 3]);

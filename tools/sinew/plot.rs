@@ -38,6 +38,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             ))
         })
     };
+    let column = |name: &str| {
+        let numbers = column(name)?;
+        let some = numbers.iter().any(|x| x.is_finite());
+        if some {
+            Ok(numbers)
+        } else {
+            Err(Failure::usage(format!("the column {name:?} of the history has no numbers")))
+        }
+    };
     let x = column(&args.x)?;
     let line = |(name, sign): (&String, f64)| -> Result<Line, Failure> {
         let points = x.iter().zip(column(name)?).map(|(x, y)| [*x, sign * y]);

@@ -74,6 +74,20 @@ impl ContactLaw for Friction {
         pair.exchange(approach, slip.map(|s| share * s))
     }
 
+    fn asks_traction(&self) -> bool {
+        self.criterion == Criterion::ApproachAndCompression
+    }
+
+    #[inline]
+    fn secant(&self, pair: &Pair) -> [[f64; 3]; 3] {
+        let Some(approach) = self.approach(pair).filter(|approach| *approach > 0.0) else {
+            return [[0.0; 3]; 3];
+        };
+        let slip: [f64; 3] = std::array::from_fn(|a| pair.relative[a] - approach * pair.normal[a]);
+        let (speed, limit) = (dot(slip, slip).sqrt(), self.coefficient * approach);
+        pair.takes(1.0, if speed > limit { limit / speed } else { 1.0 })
+    }
+
     #[inline]
     fn stiffness(&self, pair: &Pair) -> [[f64; 3]; 3] {
         let Some(approach) = self.approach(pair).filter(|approach| *approach > 0.0) else {

@@ -37,6 +37,13 @@ macro_rules! registry {
                 match self { $(AnyContactLaw::$variant(law) => law.stiffness(pair)),* }
             }
             #[inline]
+            fn secant(&self, pair: &Pair) -> [[f64; 3]; 3] {
+                match self { $(AnyContactLaw::$variant(law) => law.secant(pair)),* }
+            }
+            fn asks_traction(&self) -> bool {
+                match self { $(AnyContactLaw::$variant(law) => law.asks_traction()),* }
+            }
+            #[inline]
             fn bond(&self) -> Option<Strength> {
                 match self { $(AnyContactLaw::$variant(law) => law.bond()),* }
             }

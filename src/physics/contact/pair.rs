@@ -33,6 +33,16 @@ pub trait ContactLaw {
     /// −∂(impulse on a)/∂(relative velocity) of the same, row by row [kg]: how much more it pushes where the relative velocity is less.
     fn stiffness(&self, pair: &Pair) -> [[f64; 3]; 3];
 
+    /// A symmetric S, not below zero, with impulse = −S u: where [`ContactLaw::stiffness`] leads in circles, this leads on, more slowly.
+    fn secant(&self, pair: &Pair) -> [[f64; 3]; 3] {
+        self.stiffness(pair)
+    }
+
+    /// Whether it asks for the traction between the surfaces, which only bodies that deform have.
+    fn asks_traction(&self) -> bool {
+        false
+    }
+
     /// What it bears, if it holds two materials together, whatever they do.
     fn bond(&self) -> Option<Strength> {
         None

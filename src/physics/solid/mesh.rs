@@ -4,7 +4,7 @@ use super::{Bounds, cross, direction, dot, sub};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query::{PointQuery, PointQueryWithLocation};
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 use std::sync::Arc;
 
@@ -25,6 +25,8 @@ pub enum MeshError {
     Twisted([[f64; 3]; 2]),
     /// It points inwards.
     InsideOut,
+    /// Two of its shells may overlap: the boxes around them do.
+    Shells,
 }
 
 impl fmt::Display for MeshError {
@@ -38,6 +40,11 @@ impl fmt::Display for MeshError {
             MeshError::Twisted([a, b]) => {
                 write!(f, "the triangles at the edge from {a:?} to {b:?} m do not agree where outside is")
             }
+            MeshError::Shells => write!(
+                f,
+                "it has several closed shells, and the boxes around two of them overlap: give each a file of its own, and join them by \
+                 `union` or `difference`"
+            ),
             MeshError::InsideOut => {
                 write!(f, "its triangles turn clockwise as seen from outside: it is inside out")
             }
@@ -67,6 +74,7 @@ impl Mesh {
             }));
         }
         closed(&points, &corners)?;
+        apart(&points, &corners)?;
         let volume: f64 = triangles.iter().map(|[a, b, c]| dot(*a, cross(*b, *c))).sum();
         if volume <= 0.0 {
             return Err(MeshError::InsideOut);
@@ -135,6 +143,38 @@ fn closed(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<(), MeshError> 
         Some((edge, [2, 0] | [0, 2])) => Err(MeshError::Twisted(edge.map(at))),
         Some((edge, _)) => Err(MeshError::Open(edge.map(at))),
     }
+}
+
+/// Whether the shells of a closed surface lie apart: the boxes around them do not overlap.
+fn apart(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+    let mut root: Vec<u32> = (0..points.len() as u32).collect();
+    fn find(root: &mut [u32], mut corner: u32) -> u32 {
+        while root[corner as usize] != corner {
+            root[corner as usize] = root[root[corner as usize] as usize];
+            corner = root[corner as usize];
+        }
+        corner
+    }
+    for &[a, b, c] in triangles {
+        for other in [b, c] {
+            let (one, other) = (find(&mut root, a), find(&mut root, other));
+            root[one.max(other) as usize] = one.min(other);
+        }
+    }
+    let mut boxes: BTreeMap<u32, Bounds> = BTreeMap::new();
+    for (corner, x) in points.iter().enumerate() {
+        let shell = find(&mut root, corner as u32);
+        let known = boxes.entry(shell).or_insert((*x, *x));
+        *known = super::hull(*known, (*x, *x));
+    }
+    let boxes: Vec<Bounds> = boxes.into_values().collect();
+    let overlap = |(one, other): (&Bounds, &Bounds)| {
+        let (lower, upper) = super::overlap(*one, *other);
+        (0..3).all(|a| lower[a] < upper[a])
+    };
+    let pairs =
+        boxes.iter().enumerate().flat_map(|(n, one)| boxes[n + 1..].iter().map(move |other| (one, other)));
+    if pairs.into_iter().any(overlap) { Err(MeshError::Shells) } else { Ok(()) }
 }
 
 impl PartialEq for Mesh {
@@ -213,6 +253,11 @@ mod tests {
         let mut nan = all.clone();
         nan[0][0][0] = f64::NAN;
         assert_eq!(Mesh::new(&nan), Err(MeshError::Nothing));
+        // boxes apart are one solid, boxes that overlap or lie within one another are not
+        let two = |lower, upper| Mesh::new(&[all.clone(), faces(lower, upper)].concat());
+        assert!(two([0.6, 0.0, -1.0], [1.0, 0.3, 0.25]).is_ok());
+        assert_eq!(two([0.4, 0.1, -0.5], [1.0, 0.4, 0.5]), Err(MeshError::Shells));
+        assert_eq!(two([-0.4, 0.1, -0.5], [0.4, 0.2, 0.1]), Err(MeshError::Shells));
         // two boxes that share an edge
         let twice = [all, faces([0.5, 0.3, -1.0], [1.0, 1.0, 0.25])].concat();
         assert!(matches!(Mesh::new(&twice), Err(MeshError::Open(_))));
