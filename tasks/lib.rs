@@ -35,6 +35,7 @@ pub mod integrate;
 pub mod labels;
 pub mod load_power;
 pub mod loads;
+pub mod local_damping;
 pub mod mass_flow;
 pub mod mirror;
 pub mod nodal_velocity;

@@ -7,10 +7,9 @@ use simd::Simd;
 
 /// Gravity and damping on the nodes: v_I ← v_I + Δv(s + Δt) − Δv(s), with s the part of a material's step that has passed and
 ///
-/// Δv(s) = (e^(−αs) − 1) v⁰ + (ψ(s) − s) f/m + ψ(s) (ḡ + a_L),  ψ(s) = (1 − e^(−αs))/α,
+/// Δv(s) = (e^(−αs) − 1) v⁰ + (ψ(s) − s) f/m + ψ(s) ḡ,  ψ(s) = (1 − e^(−αs))/α,
 ///
-/// which solves v̇ = f/m + g − α v exactly over a step, however large α s is. Local damping a_L = −ξ |f/m + ḡ| sign v⁰, axis by axis,
-/// brakes what is out of balance (P. A. Cundall, in *Analytical and Computational Methods in Engineering Rock Mechanics*, 1987).
+/// which solves v̇ = f/m + g − α v exactly over a step, however large α s is.
 pub struct Loads {
     /// What acts.
     pub field: LoadField,
@@ -25,8 +24,6 @@ pub struct LoadField {
     pub gravity: Table,
     /// α [1/s]
     pub damping: f64,
-    /// ξ
-    pub local: f64,
 }
 
 impl LoadField {
@@ -45,12 +42,7 @@ impl LoadField {
     pub fn change(&self, sum: &Sums, motion: &Motion, from: f64, s: f64) -> [f64; 3] {
         let (start, f, g) = (motion.start(), sum.force(), self.mean_gravity(from, s));
         let (worth, faded) = (self.worth(s), (-self.damping * s).exp_m1());
-        std::array::from_fn(|a| {
-            let a_f = f[a] / sum.mass();
-            let brake =
-                if start[a] == 0.0 { 0.0 } else { -self.local * (a_f + g[a]).abs() * start[a].signum() };
-            faded * start[a] + (worth - s) * a_f + worth * (g[a] + brake)
-        })
+        std::array::from_fn(|a| faded * start[a] + (worth - s) * f[a] / sum.mass() + worth * g[a])
     }
 }
 

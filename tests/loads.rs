@@ -120,3 +120,48 @@ fn a_column_under_its_own_weight_bears_it() {
         assert!(worst < 0.02, "{worst}");
     }
 }
+
+/// What a tool gives is what the floor gets: local damping takes its share of what is out of balance after both.
+#[test]
+fn local_damping_does_not_falsify_what_a_tool_gives() {
+    let pressed: Overrides<'_> = &[
+        ("domain.upper", "[0.002, 0.002, 0.016]"),
+        (
+            "boundary",
+            "{ x-min = 'symmetric', x-max = 'symmetric', y-min = 'symmetric', y-max = 'symmetric', z-min = 'symmetric' }",
+        ),
+        (
+            "material.plate",
+            "{ law = 'rigid', motion = 'prescribed', density = 1000, velocity = [0, 0, -0.02] }",
+        ),
+        (
+            "body",
+            "[{ name = 'block', material = 'soft', shape = { box = { lower = [0, 0, 0], upper = [0.002, 0.002, 0.012] } } }, \
+              { name = 'plate', material = 'plate', shape = { half-space = { point = [0, 0, 0.012], normal = [0, 0, -1] } } }]",
+        ),
+        ("contact", "[{ between = ['soft', 'plate'], law = 'friction', friction = 0 }]"),
+        ("run.until", "50 ms"),
+    ];
+    let forces = ["0", "0.5"].map(|share| {
+        let mut simulation = start(scene(BLOCK, &[pressed, &[("load.local-damping", share)]].concat()));
+        while simulation.clock().time < 40e-3 {
+            simulation.step().expect("steps");
+        }
+        simulation.mark_row();
+        let report = common::finish(&mut simulation).expect("runs");
+        let force =
+            |name: &str| report.givers.iter().find(|giver| giver.name == name).expect("it gives").force[2];
+        println!(
+            "local damping {share}: plate {:.5} N, floor {:.5} N",
+            force("rigid.plate"),
+            force("face.z-min")
+        );
+        [force("rigid.plate"), force("face.z-min")]
+    });
+    for [plate, floor] in forces {
+        assert!(
+            (plate / floor + 1.0).abs() < 0.01 && (floor / forces[0][1] - 1.0).abs() < 0.01,
+            "{forces:?}"
+        );
+    }
+}

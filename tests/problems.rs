@@ -91,6 +91,17 @@ fn tension() {
     meets_expectations("tension");
 }
 
+#[test]
+fn hertz() {
+    meets_expectations("hertz");
+}
+
+#[test]
+#[ignore = "long"]
+fn cantilever() {
+    meets_expectations("cantilever");
+}
+
 /// Impulses come in opposite pairs and act only on surfaces that approach and touch: nothing can pull the ball, and only
 /// tissue that flies faster can push it. What it gains once its tail has left the slab is below a ten-thousandth of its
 /// speed.

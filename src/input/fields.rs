@@ -185,7 +185,7 @@ static LOAD: &[Field] = &[
         Form::Number(Range { dimension: One, least: 0.0, open_below: false, most: 0.95 }),
         Absent::Number(0.0),
         "Local damping of Cundall, for slow loading: at each node this share of the force out of balance acts against the \
-        velocity, axis by axis. It does not act on free rigid bodies, and its torque is no one's.",
+        velocity, axis by axis, after all else has acted on it. It does not act on free rigid bodies, and its torque is no one's.",
     ),
 ];
 

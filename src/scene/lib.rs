@@ -257,8 +257,12 @@ pub struct Loads {
 impl Loads {
     /// Whether there are any.
     pub fn acts(&self) -> bool {
-        let falls = self.gravity.0.iter().any(|(_, g)| *g != [0.0; 3]);
-        falls || self.damping != 0.0 || self.local_damping != 0.0
+        self.act_on_all() || self.local_damping != 0.0
+    }
+
+    /// Whether gravity or damping by mass do.
+    pub fn act_on_all(&self) -> bool {
+        self.gravity.acts() || self.damping != 0.0
     }
 }
 

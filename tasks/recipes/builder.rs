@@ -18,6 +18,7 @@ use crate::images::Images;
 use crate::labels::{Reactions, SCHEMA};
 use crate::load_power::LoadPower;
 use crate::loads::{LoadField, Loads};
+use crate::local_damping::LocalDamping;
 use crate::mirror::Mirror;
 use crate::pic::Pic;
 use crate::reflection::Reflection;
@@ -147,12 +148,12 @@ impl<'a> Builder<'a> {
 
     /// What acts everywhere, if the scene has it.
     fn field(&self) -> Option<LoadField> {
-        self.scene.loads.acts().then(|| self.load_field())
+        self.scene.loads.act_on_all().then(|| self.load_field())
     }
 
     pub(super) fn load_field(&self) -> LoadField {
-        let scene::Loads { gravity, damping, local_damping } = self.scene.loads.clone();
-        LoadField { gravity, damping, local: local_damping }
+        let scene::Loads { gravity, damping, .. } = self.scene.loads.clone();
+        LoadField { gravity, damping }
     }
 
     pub(super) fn loads(&mut self) {
@@ -163,9 +164,17 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn load_power(&mut self) {
-        if self.scene.loads.acts() {
+        if self.scene.loads.act_on_all() {
             let tile = self.givers.tile(Giver::Loads).unwrap_or(0);
             self.all("load", LoadPower { tile, lattice: self.lattice });
+        }
+    }
+
+    pub(super) fn local_damping(&mut self) {
+        let share = self.scene.loads.local_damping;
+        if share > 0.0 {
+            let tile = self.givers.tile(Giver::Loads).unwrap_or(0);
+            self.all("load", LocalDamping { share, tile, lattice: self.lattice });
         }
     }
 

@@ -91,6 +91,7 @@ fn nodes_to_particles(recipe: &mut Builder<'_>) {
         recipe.drive_nodes();
         recipe.drive_bonds();
         recipe.boundary();
+        recipe.local_damping();
         recipe.contact_power();
         recipe.load_power();
         recipe.all("", GridPower);
