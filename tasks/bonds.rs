@@ -63,6 +63,13 @@ pub fn each_group(
     }
 }
 
+/// The lines of the other fields that bonds make one with that of a line, at its node.
+pub fn bonded_to(impulses: &[Impulse], fields: usize, line: usize) -> impl Iterator<Item = usize> + use<'_> {
+    let group = impulses.get(line).map_or(0, Impulse::group);
+    let lines = (0..if group > 0 { fields } else { 0 }).map(move |slot| NODES * slot + line % NODES);
+    lines.filter(move |&other| other != line && impulses[other].group() == group)
+}
+
 /// Σ m v / Σ m
 pub fn common_velocity<'a>(members: impl Iterator<Item = &'a Motion>) -> [f64; 3] {
     let (mut mass, mut momentum) = (0.0, [0.0; 3]);

@@ -1,7 +1,11 @@
+use crate::bonds::bonded_to;
 use crate::labels::{ContactWork, NodeMotion, NodeSums, Reactions, RigidMotion, Time, ToolSums};
-use crate::node::{Motion, Site, Sums, Surface};
-use crate::reactions::Reaction;
+use crate::node::{Impulse, Motion, Site, Sums, Surface};
+use crate::reactions::{NUMBERS, Reaction};
+use crate::rigid::state::RigidState;
 use crate::tool::{Meeting, Placed, Tool};
+use engine::data::exact_sum::ExactSum;
+use engine::data::rates::Clock;
 use engine::data::schedule::FieldTime;
 use engine::graph::task::{At, Body};
 use grid::{Lattice, NODES};
@@ -31,36 +35,19 @@ engine::task! { Nodes task Tools {
 impl Body for Tools {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let clock = &io.time[0];
-        for tool in &self.tools {
-            let placed = tool.place(clock.time, clock.tick, &io.bodies);
-            for meeting in &tool.meets {
-                let fields = at.fields.iter().enumerate().filter(|(_, f)| f.material == meeting.material);
-                for (slot, field) in fields {
-                    let lines = NODES * slot..NODES * (slot + 1);
-                    let nodes = Nodes {
-                        sums: &io.sums[lines.clone()],
-                        surfaces: &io.surfaces[lines.clone()],
-                        motions: &mut io.motion[lines],
-                    };
-                    let given = self.meet(at, field, (tool, &placed, meeting), nodes);
-                    given.by_holder.store(&mut io.reactions[tool.tile]);
-                    if let Some((tile, sign)) = meeting.tile {
-                        given.by_holder.without_work().times(sign).store(&mut io.reactions[tile]);
-                    }
-                    io.work[0][0].add(given.friction);
-                    io.work[0][1].add(given.impact);
-                }
-            }
-        }
+        let Io { time, sums, bodies, surfaces, reactions, work, motion } = &mut io;
+        let nodes = Nodes { sums, surfaces, motions: motion, one: &[] };
+        self.act(at, (&time[0], bodies), nodes, (reactions, &mut work[0]));
     }
 }
 
-/// The nodes of one field.
-struct Nodes<'a> {
-    sums: &'a [Sums],
-    surfaces: &'a [Surface],
-    motions: &'a mut [Motion],
+/// The nodes of a block, and what bonds make one there.
+pub(crate) struct Nodes<'a> {
+    pub sums: &'a [Sums],
+    pub surfaces: &'a [Surface],
+    pub motions: &'a mut [Motion],
+    /// Nothing, where there are no bonds.
+    pub one: &'a [Impulse],
 }
 
 /// What a tool gives to some nodes.
@@ -72,36 +59,91 @@ struct Given {
 }
 
 impl Tools {
-    /// Exchanges impulses at all nodes of a field.
+    /// All tools, one after the other.
+    pub(crate) fn act(
+        &self,
+        at: &At<'_>,
+        (clock, bodies): (&Clock, &[RigidState]),
+        mut nodes: Nodes<'_>,
+        (reactions, work): (&mut [[ExactSum; NUMBERS]], &mut [ExactSum; 2]),
+    ) {
+        for tool in &self.tools {
+            let placed = tool.place(clock.time, clock.tick, bodies);
+            for meeting in &tool.meets {
+                let fields = at.fields.iter().enumerate().filter(|(_, f)| f.material == meeting.material);
+                for (slot, field) in fields {
+                    let given = self.meet(at, (slot, field), (tool, &placed, meeting), &mut nodes);
+                    given.by_holder.store(&mut reactions[tool.tile]);
+                    if let Some((tile, sign)) = meeting.tile {
+                        given.by_holder.without_work().times(sign).store(&mut reactions[tile]);
+                    }
+                    work[0].add(given.friction);
+                    work[1].add(given.impact);
+                }
+            }
+        }
+    }
+
+    /// Exchanges impulses at all nodes of a field. What bonds make one with it moves along.
     #[inline(never)]
     fn meet(
         &self,
         at: &At<'_>,
-        field: &FieldTime,
+        (slot, field): (usize, &FieldTime),
         (tool, placed, meeting): (&Tool, &Placed, &Meeting),
-        nodes: Nodes<'_>,
+        nodes: &mut Nodes<'_>,
     ) -> Given {
         let mut given = Given::default();
-        for (n, motion) in nodes.motions.iter_mut().enumerate() {
-            let (sum, surface) = (&nodes.sums[n], &nodes.surfaces[n]);
+        for n in 0..NODES {
+            let line = NODES * slot + n;
+            let (sum, surface) = (&nodes.sums[line], &nodes.surfaces[line]);
             let m = sum.mass();
             if m <= self.least_mass || surface.mass() <= 0.0 {
                 continue;
             }
-            let (x, v) = (self.lattice.position(at.node_of(n)), motion.velocity());
+            let (x, v) = (self.lattice.position(at.node_of(n)), nodes.motions[line].velocity());
             let site = Site::of(sum, surface, field.elapsed, v);
             let where_from = (&self.surfaces[meeting.material], self.lattice.cell);
             let Some(normal) = meeting.touch((&tool.shape, placed), &site, x, where_from) else { continue };
             let moving = placed.state.velocity_at(x);
-            let pair = meeting.pair(&site, normal, std::array::from_fn(|a| v[a] - moving[a]));
+            let mut pair = meeting.pair(&site, normal, std::array::from_fn(|a| v[a] - moving[a]));
+            let others = || bonded_to(nodes.one, at.fields.len(), line);
+            pair.reduced_mass += others().map(|other| nodes.motions[other].mass()).sum::<f64>();
             let exchange = meeting.law.exchange(&pair);
-            let impulse = std::array::from_fn(|a| exchange.normal[a] + exchange.friction[a]);
-            motion.add(impulse.map(|p| p / m));
+            let impulse: [f64; 3] = std::array::from_fn(|a| exchange.normal[a] + exchange.friction[a]);
+            let dv = impulse.map(|p| p / pair.reduced_mass);
+            bonded_to(nodes.one, at.fields.len(), line).for_each(|other| nodes.motions[other].add(dv));
+            let motion = &mut nodes.motions[line];
+            motion.add(dv);
             given.by_holder.add(x, impulse, moving);
             let slip: [f64; 3] = std::array::from_fn(|a| motion.mean()[a] - moving[a]);
             given.friction -= dot(exchange.friction, slip);
             given.impact -= dot(exchange.normal, slip);
         }
         given
+    }
+}
+
+/// Contact with tools where bonds make one of several materials.
+pub struct BondedTools(pub Tools);
+
+mod bonded {
+    use super::*;
+    use crate::labels::ContactImpulse;
+
+    engine::task! { Nodes task BondedTools {
+        requires new { time: Time, sums: NodeSums }
+        requires now { bodies: RigidMotion, surfaces: ToolSums, one: ContactImpulse }
+        computes { reactions: Reactions, work: ContactWork }
+        modifies { motion: NodeMotion }
+    }}
+
+    impl Body for BondedTools {
+        #[inline(always)]
+        fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+            let Io { time, sums, bodies, surfaces, one, reactions, work, motion } = &mut io;
+            let nodes = Nodes { sums, surfaces, motions: motion, one };
+            self.0.act(at, (&time[0], bodies), nodes, (reactions, &mut work[0]));
+        }
     }
 }

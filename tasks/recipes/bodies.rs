@@ -8,8 +8,8 @@ use crate::rigid::carry::RigidCarry;
 use crate::rigid::motion::RigidMotion;
 use crate::rigid::plan::RigidPlan;
 use crate::rigid::predict::RigidPredict;
-use crate::rigid::push::RigidPush;
-use crate::rigid::round::RigidRound;
+use crate::rigid::push::{BondedPush, RigidPush};
+use crate::rigid::round::{BondedRound, RigidRound};
 use crate::rigid::sites::RigidSites;
 use crate::rigid::solve::RigidSolve;
 use crate::tool::Tool;
@@ -56,13 +56,18 @@ impl Builder<'_> {
 
     /// A round of the search.
     pub(super) fn rigid_round(&mut self) {
-        self.all("contact", RigidRound(self.bodies()));
+        match self.bonds() {
+            None => self.all("contact", RigidRound(self.bodies())),
+            Some(_) => self.all("contact", BondedRound(self.bodies())),
+        }
         self.all("contact", RigidSolve { locked: locked(self.scene) });
     }
 
     pub(super) fn rigid_push(&mut self) {
-        if pushes(self.scene) {
-            self.all("contact", RigidPush(self.bodies()));
+        match self.bonds() {
+            _ if !pushes(self.scene) => {}
+            None => self.all("contact", RigidPush(self.bodies())),
+            Some(_) => self.all("contact", BondedPush(self.bodies())),
         }
     }
 

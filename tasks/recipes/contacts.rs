@@ -13,7 +13,7 @@ use crate::contact_scatter::ContactScatter;
 use crate::drive_bonds::DriveBonds;
 use crate::hold_bonds::HoldBonds;
 use crate::tool_scatter::ToolScatter;
-use crate::tools::Tools;
+use crate::tools::{BondedTools, Tools};
 use engine::data::fields::FieldId;
 use physics::contact::ContactLaw;
 use physics::contact::surface::SurfaceTable;
@@ -66,7 +66,11 @@ impl<'a> Builder<'a> {
         tools.retain(|tool| !tool.body().is_some_and(|m| is_free(self.scene, m)));
         if !tools.is_empty() {
             let (lattice, least_mass, surfaces) = (self.lattice, self.least_mass, self.surface_tables());
-            self.all("contact", Tools { tools, lattice, least_mass, surfaces });
+            let task = Tools { tools, lattice, least_mass, surfaces };
+            match self.bonds() {
+                None => self.all("contact", task),
+                Some(_) => self.all("contact", BondedTools(task)),
+            }
         }
     }
 
@@ -86,7 +90,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Bonds between deformable materials, if something may move one side of them alone.
-    fn bonds(&self) -> Option<Bonds> {
+    pub(super) fn bonds(&self) -> Option<Bonds> {
         let fields = fields(self.scene);
         let bonded: Vec<_> = self.meetings().filter(|(_, c)| c.law.bond().is_some()).collect();
         let pairs = bonded.iter().map(|(number, c)| {

@@ -1,6 +1,7 @@
 //! Where free rigid bodies meet matter.
 use super::state::{RigidState, RigidTrial};
-use crate::node::{Motion, Site};
+use crate::bonds::bonded_to;
+use crate::node::{Impulse, Motion, Site};
 use crate::tool::{Meeting, Placed, Tool};
 use engine::graph::task::At;
 use grid::{Lattice, NODES};
@@ -57,7 +58,7 @@ impl Push<'_> {
 const REACH: f64 = 6.0;
 
 impl Bodies {
-    /// Goes through all nodes of a block where bodies touch matter. Where several touch one node they do so one after the other, in the order
+    /// Goes through all nodes of a block where bodies touch matter; `one` says what bonds make one. Where several touch one node they do so one after the other, in the order
     /// of the scene, each with what the one before has left.
     #[inline(never)]
     pub fn each_push<'a>(
@@ -65,6 +66,7 @@ impl Bodies {
         at: &At<'_>,
         (sites, motions): (&[Site], &[Motion]),
         (states, trials): (&[RigidState], &[RigidTrial]),
+        one: &[Impulse],
         mut push: impl FnMut(Push<'a>),
     ) {
         let near = self.near(at, states);
@@ -95,14 +97,29 @@ impl Bodies {
                     let Some(normal) = meeting.touch((&tool.shape, placed), site, x, where_from) else {
                         continue;
                     };
+                    // what bonds make one is pushed once
+                    let before = || bonded_to(one, at.fields.len(), line).filter(|other| *other < line);
+                    let touched = |other: usize| {
+                        let material = at.fields[other / NODES].material;
+                        let meeting = tool.meets.iter().find(|meeting| meeting.material == material);
+                        let where_from = (&self.surfaces[material], self.lattice.cell);
+                        let touch =
+                            |it: &Meeting| it.touch((&tool.shape, placed), &sites[other], x, where_from);
+                        sites[other].mass() > 0.0 && meeting.and_then(touch).is_some()
+                    };
+                    if before().any(touched) {
+                        continue;
+                    }
                     let arm: [f64; 3] = std::array::from_fn(|a| x[a] - placed.state.center[a]);
                     let moving = trials[body].velocity_at(arm);
-                    let pair = meeting.pair(site, normal, std::array::from_fn(|a| v[a] - moving[a]));
+                    let mut pair = meeting.pair(site, normal, std::array::from_fn(|a| v[a] - moving[a]));
+                    let others = bonded_to(one, at.fields.len(), line);
+                    pair.reduced_mass += others.map(|other| motions[other].mass()).sum::<f64>();
                     let exchange = meeting.law.exchange(&pair);
                     let given = Push { number, body, meeting, line, x, arm, velocity: v, pair, exchange };
                     let impulse = given.impulse();
                     push(given);
-                    (0..3).for_each(|a| v[a] += impulse[a] / site.mass());
+                    (0..3).for_each(|a| v[a] += impulse[a] / pair.reduced_mass);
                 }
             }
         }

@@ -1,8 +1,12 @@
+use crate::bonds::bonded_to;
 use crate::labels::{
     ContactWork, NodeMotion, OwnStep, Reactions, RigidImpulse, RigidMotion, RigidSite, RigidTrial,
 };
-use crate::reactions::Reaction;
+use crate::node::{Impulse, Motion, Site};
+use crate::reactions::{NUMBERS, Reaction};
 use crate::rigid::bodies::{Bodies, Push};
+use crate::rigid::state::{RigidState, RigidTrial as Trial};
+use engine::data::exact_sum::ExactSum;
 use engine::graph::task::{At, Body};
 use physics::contact::{cross, dot};
 use simd::Simd;
@@ -19,29 +23,76 @@ engine::task! { Nodes task RigidPush {
 impl Body for RigidPush {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+        let Io { site, bodies, trial, on_bodies, reactions, work, motion, .. } = &mut io;
+        let given = Given { on_bodies, reactions, work: &mut work[0] };
+        self.0.give(at, (site, motion), (bodies, trial), &[], given);
+    }
+}
+
+/// The same where bonds make one of several materials: what is one moves together.
+pub struct BondedPush(pub Bodies);
+
+mod bonded {
+    use super::*;
+    use crate::labels::ContactImpulse;
+
+    engine::task! { Nodes task BondedPush {
+        requires now { step: OwnStep, site: RigidSite, bodies: RigidMotion, trial: RigidTrial, one: ContactImpulse }
+        computes { on_bodies: RigidImpulse, reactions: Reactions, work: ContactWork }
+        modifies { motion: NodeMotion }
+    }}
+
+    impl Body for BondedPush {
+        #[inline(always)]
+        fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+            let Io { site, bodies, trial, one, on_bodies, reactions, work, motion, .. } = &mut io;
+            let given = Given { on_bodies, reactions, work: &mut work[0] };
+            self.0.give(at, (site, motion), (bodies, trial), one, given);
+        }
+    }
+}
+
+/// Where what is given is counted.
+struct Given<'a> {
+    on_bodies: &'a mut [[ExactSum; 6]],
+    reactions: &'a mut [[ExactSum; NUMBERS]],
+    work: &'a mut [ExactSum; 2],
+}
+
+impl Bodies {
+    /// Gives what the bodies give to the nodes of a block.
+    fn give(
+        &self,
+        at: &At<'_>,
+        (sites, motions): (&[Site], &mut [Motion]),
+        (states, trials): (&[RigidState], &[Trial]),
+        one: &[Impulse],
+        to: Given<'_>,
+    ) {
         let mut pushes = Vec::new();
-        self.0.each_push(at, (&io.site, &io.motion), (&io.bodies, &io.trial), |push| pushes.push(push));
-        for (number, tool) in self.0.tools.iter().enumerate() {
+        self.each_push(at, (sites, &*motions), (states, trials), one, |push| pushes.push(push));
+        for (number, tool) in self.tools.iter().enumerate() {
             let Some(body) = tool.body() else { continue };
             for meeting in &tool.meets {
                 let is_here = |push: &&Push<'_>| push.number == number && std::ptr::eq(push.meeting, meeting);
                 let mut received = Received::default();
                 for push in pushes.iter().filter(is_here) {
-                    let motion = &mut io.motion[push.line];
-                    let given = push.impulse();
-                    motion.add(given.map(|p| p / motion.mass()));
+                    let dv = push.impulse().map(|p| p / push.pair.reduced_mass);
+                    bonded_to(one, at.fields.len(), push.line).for_each(|other| motions[other].add(dv));
+                    let motion = &mut motions[push.line];
+                    motion.add(dv);
                     // the mean of the body's motion over the tick
                     let (before, after) =
-                        (io.bodies[body].velocity_at(push.x), io.trial[body].velocity_at(push.arm));
+                        (states[body].velocity_at(push.x), trials[body].velocity_at(push.arm));
                     let mean = motion.mean();
                     received.add(push, [0, 1, 2].map(|a| mean[a] - 0.5 * (before[a] + after[a])));
                 }
-                received.on_body.iter().zip(&mut io.on_bodies[body]).for_each(|(x, sum)| sum.add(*x));
+                received.on_body.iter().zip(&mut to.on_bodies[body]).for_each(|(x, sum)| sum.add(*x));
                 if let Some((tile, sign)) = meeting.tile {
-                    received.on_matter.times(sign).store(&mut io.reactions[tile]);
+                    received.on_matter.times(sign).store(&mut to.reactions[tile]);
                 }
-                io.work[0][0].add(received.friction);
-                io.work[0][1].add(received.impact);
+                to.work[0].add(received.friction);
+                to.work[1].add(received.impact);
             }
         }
     }
