@@ -71,20 +71,22 @@ impl Bodies {
     ) {
         let mut pushes = Vec::new();
         self.each_push(at, (sites, &*motions), (states, trials), one, |push| pushes.push(push));
+        // first all move, and then each is accounted with the motion that all make
+        for push in &pushes {
+            let dv = push.impulse().map(|p| p / push.pair.reduced_mass);
+            bonded_to(one, at.fields.len(), push.line).for_each(|other| motions[other].add(dv));
+            motions[push.line].add(dv);
+        }
         for (number, tool) in self.tools.iter().enumerate() {
             let Some(body) = tool.body() else { continue };
             for meeting in &tool.meets {
                 let is_here = |push: &&Push<'_>| push.number == number && std::ptr::eq(push.meeting, meeting);
                 let mut received = Received::default();
                 for push in pushes.iter().filter(is_here) {
-                    let dv = push.impulse().map(|p| p / push.pair.reduced_mass);
-                    bonded_to(one, at.fields.len(), push.line).for_each(|other| motions[other].add(dv));
-                    let motion = &mut motions[push.line];
-                    motion.add(dv);
                     // the mean of the body's motion over the tick
                     let (before, after) =
                         (states[body].velocity_at(push.x), trials[body].velocity_at(push.arm));
-                    let mean = motion.mean();
+                    let mean = motions[push.line].mean();
                     received.add(push, [0, 1, 2].map(|a| mean[a] - 0.5 * (before[a] + after[a])));
                 }
                 received.on_body.iter().zip(&mut to.on_bodies[body]).for_each(|(x, sum)| sum.add(*x));
