@@ -10,7 +10,7 @@ use engine::data::schedule::FieldTime;
 use engine::graph::task::{At, Body};
 use grid::{Lattice, NODES};
 use physics::contact::surface::SurfaceTable;
-use physics::contact::{ContactLaw, dot};
+use physics::contact::{ContactLaw, Exchange, dot};
 use simd::Simd;
 
 /// Contact with tools that move as prescribed, and with moving faces: the law takes u = v_I − V(x_I) wherever matter touches them.
@@ -50,12 +50,11 @@ pub(crate) struct Nodes<'a> {
     pub one: &'a [Impulse],
 }
 
-/// What a tool gives to some nodes.
-#[derive(Default)]
-struct Given {
-    by_holder: Reaction,
-    friction: f64,
-    impact: f64,
+/// What a tool that moves with a velocity exchanged with a node, whose loss is known when all have.
+struct Loss {
+    line: usize,
+    exchange: Exchange,
+    moving: [f64; 3],
 }
 
 impl Tools {
@@ -67,21 +66,31 @@ impl Tools {
         mut nodes: Nodes<'_>,
         (reactions, work): (&mut [[ExactSum; NUMBERS]], &mut [ExactSum; 2]),
     ) {
+        let mut losses = Vec::new();
         for tool in &self.tools {
             let placed = tool.place(clock.time, clock.tick, bodies);
             for meeting in &tool.meets {
                 let fields = at.fields.iter().enumerate().filter(|(_, f)| f.material == meeting.material);
                 for (slot, field) in fields {
-                    let given = self.meet(at, (slot, field), (tool, &placed, meeting), &mut nodes);
-                    given.by_holder.store(&mut reactions[tool.tile]);
+                    let given =
+                        self.meet(at, (slot, field), (tool, &placed, meeting), &mut nodes, &mut losses);
+                    given.store(&mut reactions[tool.tile]);
                     if let Some((tile, sign)) = meeting.tile {
-                        given.by_holder.without_work().times(sign).store(&mut reactions[tile]);
+                        given.without_work().times(sign).store(&mut reactions[tile]);
                     }
-                    work[0].add(given.friction);
-                    work[1].add(given.impact);
                 }
             }
         }
+        // with the motion that all tools make
+        let (mut friction, mut impact) = (0.0, 0.0);
+        for loss in &losses {
+            let mean = nodes.motions[loss.line].mean();
+            let slip: [f64; 3] = std::array::from_fn(|a| mean[a] - loss.moving[a]);
+            friction -= dot(loss.exchange.friction, slip);
+            impact -= dot(loss.exchange.normal, slip);
+        }
+        work[0].add(friction);
+        work[1].add(impact);
     }
 
     /// Exchanges impulses at all nodes of a field. What bonds make one with it moves along.
@@ -92,8 +101,9 @@ impl Tools {
         (slot, field): (usize, &FieldTime),
         (tool, placed, meeting): (&Tool, &Placed, &Meeting),
         nodes: &mut Nodes<'_>,
-    ) -> Given {
-        let mut given = Given::default();
+        losses: &mut Vec<Loss>,
+    ) -> Reaction {
+        let mut given = Reaction::default();
         for n in 0..NODES {
             let line = NODES * slot + n;
             let (sum, surface) = (&nodes.sums[line], &nodes.surfaces[line]);
@@ -113,12 +123,9 @@ impl Tools {
             let impulse: [f64; 3] = std::array::from_fn(|a| exchange.normal[a] + exchange.friction[a]);
             let dv = impulse.map(|p| p / pair.reduced_mass);
             bonded_to(nodes.one, at.fields.len(), line).for_each(|other| nodes.motions[other].add(dv));
-            let motion = &mut nodes.motions[line];
-            motion.add(dv);
-            given.by_holder.add(x, impulse, moving);
-            let slip: [f64; 3] = std::array::from_fn(|a| motion.mean()[a] - moving[a]);
-            given.friction -= dot(exchange.friction, slip);
-            given.impact -= dot(exchange.normal, slip);
+            nodes.motions[line].add(dv);
+            given.add(x, impulse, moving);
+            losses.push(Loss { line, exchange, moving });
         }
         given
     }
