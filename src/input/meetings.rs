@@ -29,9 +29,7 @@ fn breakable(contact: &Contact, others: &[Contact], node: &Node, materials: &[Ma
     if !parts(contact) {
         return Ok(());
     }
-    if let Some(&rigid) =
-        contact.between.iter().find(|&&m| matches!(materials[m].behavior, Behavior::Rigid(_)))
-    {
+    if let Some(&rigid) = contact.between.iter().find(|&&m| materials[m].is_rigid()) {
         let message = format!(
             "the bond with the rigid material {:?} has a strength, which is not modelled",
             materials[rigid].name
@@ -63,7 +61,7 @@ fn contact(given: &Node, materials: &[Material], path: &str) -> Outcome<Contact>
         let help = "bodies of one material share a velocity field: make a second material of the same law";
         return Err(Fault::new(between.place, message).help(help));
     }
-    if pair.iter().all(|&m| matches!(materials[m].behavior, Behavior::Rigid(_))) {
+    if pair.iter().all(|&m| materials[m].is_rigid()) {
         let [a, b] = pair.map(|m| &materials[m].name);
         let message = format!("materials {a:?} and {b:?} are both rigid: their contact is not modelled");
         let help = "make one of them deformable, or leave the contact out: the run ends if they ever meet";
@@ -71,7 +69,7 @@ fn contact(given: &Node, materials: &[Material], path: &str) -> Outcome<Contact>
     }
     pair.sort_unstable();
     let law = choose::tagged(contact::LAWS, "law", given, path)?;
-    let rigid = pair.iter().find(|&&m| matches!(materials[m].behavior, Behavior::Rigid(_)));
+    let rigid = pair.iter().find(|&&m| materials[m].is_rigid());
     if let Some(&rigid) = rigid.filter(|_| law.asks_traction()) {
         let message = format!(
             "{:?} is rigid: it has no traction that `criterion` could ask for",
@@ -99,7 +97,7 @@ pub(super) fn drives(given: &Node, materials: &[Material], bodies: &Node) -> Out
 
 fn drive(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> Outcome<Drive> {
     let material = material_index(given.get("material"), materials)?;
-    if let Behavior::Rigid(_) = materials[material].behavior {
+    if materials[material].is_rigid() {
         let name = &materials[material].name;
         let message = format!("material {name:?} is rigid: a drive cannot move a part of it");
         return Err(Fault::new(given.get("material").place, message)
@@ -174,7 +172,7 @@ pub(super) fn forces(given: &Node, materials: &[Material], bodies: &Node) -> Out
 
 fn force(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> Outcome<Force> {
     let material = material_index(given.get("material"), materials)?;
-    if let Behavior::Rigid(_) = materials[material].behavior {
+    if materials[material].is_rigid() {
         let message =
             format!("material {:?} is rigid: forces act on deformable matter", materials[material].name);
         return Err(

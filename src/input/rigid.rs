@@ -2,13 +2,13 @@
 use super::document::Node;
 use super::error::{Fault, Outcome};
 use physics::faces::{FaceCondition, Image};
-use scene::sampling::inside;
+use scene::sampling::{inside, reaches};
 use scene::{Behavior, Body, Material, RigidMotion, Scene};
 
 /// Rigid materials have bodies.
 pub(super) fn have_bodies(scene: &Scene, root: &Node) -> Outcome<()> {
     for (m, material) in scene.materials.iter().enumerate() {
-        if matches!(material.behavior, Behavior::Rigid(_)) && scene.bodies_of(m).next().is_none() {
+        if material.is_rigid() && scene.bodies_of(m).next().is_none() {
             let place = root.get("material").entries()[m].place;
             let message = format!("the rigid material {:?} has no body", material.name);
             return Err(Fault::new(place, message).help("add a [[body]] of it, or remove it"));
@@ -19,11 +19,10 @@ pub(super) fn have_bodies(scene: &Scene, root: &Node) -> Outcome<()> {
 
 /// Tools meet something, or are to be seen.
 pub(super) fn tools_act(scene: &Scene, root: &Node) -> Outcome<()> {
-    let is_free = |m: &Material| matches!(m.behavior, Behavior::Rigid(RigidMotion::Free { .. }));
     for (m, material) in scene.materials.iter().enumerate().filter(|(_, m)| m.is_tool() && !m.has_particles())
     {
         let meets = scene.contacts.iter().any(|contact| contact.between.contains(&m));
-        if !meets && !scene.materials.iter().any(is_free) {
+        if !meets && !scene.materials.iter().any(Material::is_free) {
             let message = format!("the tool {:?} meets nothing", material.name);
             return Err(Fault::new(root.get("material").entries()[m].place, message)
                 .help("add a [[contact]] between it and a material that deforms, or remove it"));
@@ -73,7 +72,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The faces beyond which a body goes on as its image: mirrors, for those that are rigid.
 pub(super) fn goes_on(scene: &Scene, body: &Body) -> [bool; 6] {
-    let rigid = matches!(scene.materials[body.material].behavior, Behavior::Rigid(_));
+    let rigid = scene.materials[body.material].is_rigid();
     scene.faces.each_ref().map(|face| rigid && face.image() == Some(Image::Mirror))
 }
 
@@ -83,11 +82,9 @@ fn moves_with_its_images(scene: &Scene, body: &Body, root: &Node) -> Outcome<()>
     let Behavior::Rigid(RigidMotion::Free { locked, locked_turns, .. }) = material.behavior else {
         return Ok(());
     };
-    let ((lower, upper), (from, to)) = (inside(&scene.domain), body.solid.bounds());
-    let near = 1e-6 * scene.domain.cell;
     for (face, _) in goes_on(scene, body).iter().enumerate().filter(|(_, mirror)| **mirror) {
         let a = face / 2;
-        let cut = if face.is_multiple_of(2) { from[a] <= lower[a] + near } else { to[a] >= upper[a] - near };
+        let cut = reaches(&scene.domain, body.solid.bounds(), face);
         let (along, about) = (AXES[a], ["yz", "xz", "xy"][a]);
         let turns = (0..3).filter(|&b| b != a).all(|b| locked_turns[b]);
         if cut && !(locked[a] && turns) {
@@ -114,7 +111,7 @@ fn turns_about(scene: &Scene, body: &Body, node: &Node) -> Outcome<()> {
     let (lower, upper) = body.solid.bounds();
     let (from, to) = inside(&scene.domain);
     let within = (0..3).all(|a| from[a] <= lower[a] && upper[a] <= to[a]);
-    if within || spin.0.iter().all(|(_, spin)| *spin == [0.0; 3]) {
+    if within || !spin.acts() {
         return Ok(());
     }
     let message =

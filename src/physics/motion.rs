@@ -13,7 +13,7 @@ pub enum Course {
 impl Course {
     /// A point at rest.
     pub fn rest() -> Self {
-        Course::Velocity(Table(vec![(0.0, [0.0; 3])]))
+        Course::Velocity(Table::zero())
     }
 
     /// How far it moves from time `from` to time `to` [m].

@@ -6,6 +6,11 @@
 pub struct Table(pub Vec<(f64, [f64; 3])>);
 
 impl Table {
+    /// Zero at all times.
+    pub fn zero() -> Self {
+        Self(vec![(0.0, [0.0; 3])])
+    }
+
     /// Whether it is ever other than zero.
     pub fn acts(&self) -> bool {
         self.0.iter().any(|(_, value)| *value != [0.0; 3])

@@ -16,6 +16,16 @@ use std::collections::BTreeMap;
 pub const MOST_MATERIALS: usize = 1 << 16;
 
 impl Material {
+    /// Whether it does not deform.
+    pub fn is_rigid(&self) -> bool {
+        matches!(self.behavior, Behavior::Rigid(_))
+    }
+
+    /// Whether it is a rigid body that contact and loads move.
+    pub fn is_free(&self) -> bool {
+        matches!(self.behavior, Behavior::Rigid(RigidMotion::Free { .. }))
+    }
+
     /// Whether it is a tool: rigid, with a motion that is prescribed.
     pub fn is_tool(&self) -> bool {
         matches!(self.behavior, Behavior::Rigid(RigidMotion::Prescribed { .. }))
@@ -35,6 +45,11 @@ impl Scene {
             1 => solids.remove(0),
             _ => Solid::Union(solids),
         }
+    }
+
+    /// The materials that deform.
+    pub fn deformable(&self) -> impl Iterator<Item = usize> {
+        (0..self.materials.len()).filter(|&m| !self.materials[m].is_rigid())
     }
 
     /// The bodies of a material.

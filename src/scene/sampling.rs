@@ -103,6 +103,13 @@ pub fn inside(domain: &Domain) -> Bounds {
     (domain.lower, std::array::from_fn(upper))
 }
 
+/// Whether a box reaches a face of the domain (x−, x+, y−, …), within rounding.
+pub fn reaches(domain: &Domain, (from, to): Bounds, face: usize) -> bool {
+    let ((lower, upper), a) = (inside(domain), face / 2);
+    let near = 1e-6 * domain.cell;
+    if face.is_multiple_of(2) { from[a] <= lower[a] + near } else { to[a] >= upper[a] - near }
+}
+
 /// Cells that a box touches, along each axis; a box that ends on a face (within rounding) does not touch the next cell.
 pub fn cells(domain: &Domain, (lower, upper): Bounds) -> [Range<i64>; 3] {
     const ROUNDING: f64 = 1e-6; // of a cell

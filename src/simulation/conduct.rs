@@ -13,7 +13,7 @@ use engine::graph::build::TaskGraph;
 use engine::program::Loop;
 use engine::schema::Label;
 use grid::Level;
-use scene::{Behavior, Leaving, RigidMotion, Scene};
+use scene::{Leaving, Scene};
 use tasks::labels::{RigidSolved, StepOver, Time};
 
 /// Conducts a program of a simulation.
@@ -101,8 +101,7 @@ impl Direction<'_> {
 
     /// Whether a particle is part of a free rigid body.
     fn is_whole(&self, particle: &Traveler) -> bool {
-        let material = &self.scene.materials[particle.material];
-        matches!(material.behavior, Behavior::Rigid(RigidMotion::Free { .. }))
+        self.scene.materials[particle.material].is_free()
     }
 
     fn count(&mut self, relocation: &Relocation, materials: &[MaterialData]) -> Result<(), RunError> {

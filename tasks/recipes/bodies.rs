@@ -1,7 +1,7 @@
 //! The lines of rigid bodies.
 use super::builder::Builder;
 use super::givers::Giver;
-use super::tools::{is_free, obstacles, tools};
+use super::tools::{obstacles, tools};
 use crate::rigid::apart::{Free, RigidApart};
 use crate::rigid::bodies::Bodies;
 use crate::rigid::carry::RigidCarry;
@@ -18,7 +18,7 @@ use scene::{Behavior, RigidMotion as Motion, Scene, Table};
 
 impl Builder<'_> {
     fn has_free(&self) -> bool {
-        (0..self.scene.materials.len()).any(|m| is_free(self.scene, m))
+        self.scene.materials.iter().any(scene::Material::is_free)
     }
 
     fn has_prescribed(&self) -> bool {
@@ -28,7 +28,7 @@ impl Builder<'_> {
     /// Free rigid bodies that may push something.
     fn bodies(&self) -> Bodies {
         let mut tools = tools(self.scene, &self.givers);
-        tools.retain(|tool| tool.body().is_some_and(|m| is_free(self.scene, m)));
+        tools.retain(|tool| tool.body().is_some_and(|m| self.scene.materials[m].is_free()));
         Bodies { tools, lattice: self.lattice, surfaces: self.surface_tables() }
     }
 
@@ -74,7 +74,7 @@ impl Builder<'_> {
     /// Watches that free rigid bodies meet nothing rigid.
     pub(super) fn rigid_apart(&mut self) {
         let scene = self.scene;
-        let free = (0..scene.materials.len()).filter(|&m| is_free(scene, m));
+        let free = (0..scene.materials.len()).filter(|&m| scene.materials[m].is_free());
         let bodies: Vec<Free> = free.map(|m| Free::new(m, surface_points(scene, m))).collect();
         let obstacles: Vec<Tool> = obstacles(scene).into_iter().map(|(_, tool)| tool).collect();
         if !bodies.is_empty() && obstacles.len() > 1 {
@@ -87,7 +87,8 @@ impl Builder<'_> {
             self.all("material", RigidCarry);
         }
         if self.has_free() {
-            let lock = |m: usize| self.givers.tile(Giver::Rigid(m)).filter(|_| is_free(self.scene, m));
+            let lock =
+                |m: usize| self.givers.tile(Giver::Rigid(m)).filter(|_| self.scene.materials[m].is_free());
             let task = RigidMotion {
                 locked: locked(self.scene),
                 loads: self.givers.tile(Giver::Loads),
@@ -100,7 +101,7 @@ impl Builder<'_> {
 
 /// Whether free rigid bodies push matter: then their motion has to be searched for.
 pub fn pushes(scene: &Scene) -> bool {
-    scene.contacts.iter().any(|contact| contact.between.iter().any(|&m| is_free(scene, m)))
+    scene.contacts.iter().any(|contact| contact.between.iter().any(|&m| scene.materials[m].is_free()))
 }
 
 /// The particles of a rigid material that lie next to its surface [m].
@@ -117,7 +118,7 @@ fn surface_points(scene: &Scene, material: usize) -> Vec<[f64; 3]> {
 pub fn forces(scene: &Scene) -> Vec<Table> {
     let one = |m: &scene::Material| match &m.behavior {
         Behavior::Rigid(Motion::Free { force, .. }) => force.clone(),
-        _ => Table(vec![(0.0, [0.0; 3])]),
+        _ => Table::zero(),
     };
     scene.materials.iter().map(one).collect()
 }

@@ -35,7 +35,7 @@ use grid::Lattice;
 use physics::faces::FaceCondition;
 use physics::law::Law;
 use physics::materials::{AnyLaw, WithLaw};
-use scene::{Behavior, ForceKind, Leaving, Rates, Scene, ShapeFunction};
+use scene::{ForceKind, Leaving, Rates, Scene, ShapeFunction};
 use shapes::gimp::Gimp;
 use shapes::linear::Linear;
 
@@ -75,11 +75,6 @@ impl<'a> Builder<'a> {
     /// A task over the nodes of all materials, or once a step.
     pub(super) fn all(&mut self, because: &str, task: impl Runnable + 'static) {
         self.recipe.all(because, task);
-    }
-
-    /// The materials that are not rigid.
-    pub(super) fn deformable(&self) -> impl Iterator<Item = usize> + use<> {
-        rigid(self.scene).into_iter().enumerate().filter(|(_, rigid)| !rigid).map(|(material, _)| material)
     }
 
     pub(super) fn timestep_size(&mut self) {
@@ -146,20 +141,14 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// What acts everywhere, if the scene has it.
-    fn field(&self) -> Option<LoadField> {
-        self.scene.loads.act_on_all().then(|| self.load_field())
-    }
-
     pub(super) fn load_field(&self) -> LoadField {
         let scene::Loads { gravity, damping, .. } = self.scene.loads.clone();
         LoadField { gravity, damping }
     }
 
     pub(super) fn loads(&mut self) {
-        if let Some(field) = self.field() {
-            let task = Loads { field, least_mass: self.least_mass };
-            self.all("load", task);
+        if self.scene.loads.act_on_all() {
+            self.all("load", Loads { field: self.load_field(), least_mass: self.least_mass });
         }
     }
 
@@ -301,7 +290,7 @@ pub(super) fn spacing(scene: &Scene, material: usize) -> [f64; 3] {
 }
 
 pub(super) fn rigid(scene: &Scene) -> Vec<bool> {
-    scene.materials.iter().map(|m| matches!(m.behavior, Behavior::Rigid(_))).collect()
+    scene.materials.iter().map(scene::Material::is_rigid).collect()
 }
 
 /// How many tiles labels have where the scene decides about it.

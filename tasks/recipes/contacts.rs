@@ -1,7 +1,7 @@
 //! The lines of contact, of bonds and of tools.
 use super::builder::{Builder, fields, half_size, spacing};
 use super::givers::Giver;
-use super::tools::{is_free, meets_tools, tools};
+use super::tools::{meets_tools, tools};
 use crate::bond_flow::BondFlow;
 use crate::bonds::Bonds;
 use crate::break_bond::BreakBond;
@@ -18,7 +18,6 @@ use engine::data::fields::FieldId;
 use physics::contact::ContactLaw;
 use physics::contact::surface::SurfaceTable;
 use physics::faces::FaceCondition;
-use scene::Behavior;
 
 impl<'a> Builder<'a> {
     /// Whether the particles of a material meet those of others.
@@ -41,7 +40,7 @@ impl<'a> Builder<'a> {
     /// Contacts between deformable materials, with their numbers.
     fn meetings(&self) -> impl Iterator<Item = (usize, &'a scene::Contact)> + use<'a> {
         let scene = self.scene;
-        let rigid = move |m: &usize| matches!(scene.materials[*m].behavior, Behavior::Rigid(_));
+        let rigid = move |m: &usize| scene.materials[*m].is_rigid();
         scene.contacts.iter().enumerate().filter(move |(_, c)| !c.between.iter().any(rigid))
     }
 
@@ -63,7 +62,7 @@ impl<'a> Builder<'a> {
 
     pub(super) fn tools(&mut self) {
         let mut tools = tools(self.scene, &self.givers);
-        tools.retain(|tool| !tool.body().is_some_and(|m| is_free(self.scene, m)));
+        tools.retain(|tool| !tool.body().is_some_and(|m| self.scene.materials[m].is_free()));
         if !tools.is_empty() {
             let (lattice, least_mass, surfaces) = (self.lattice, self.least_mass, self.surface_tables());
             let task = Tools { tools, lattice, least_mass, surfaces };

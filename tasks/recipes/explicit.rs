@@ -56,7 +56,7 @@ fn particles_to_nodes(recipe: &mut Builder<'_>) {
     recipe.timestep_size();
     recipe.rigid_plan();
     recipe.reflection();
-    for m in recipe.deformable() {
+    for m in recipe.scene.deformable() {
         recipe.weights(m);
         recipe.add(m, "", MassFlow);
         recipe.add(m, "", StressFlow);
@@ -70,7 +70,7 @@ fn particles_to_nodes(recipe: &mut Builder<'_>) {
 
 /// What moves nodes, but for free rigid bodies.
 fn forces_on_nodes(recipe: &mut Builder<'_>) {
-    if recipe.deformable().next().is_none() {
+    if recipe.scene.deformable().next().is_none() {
         return;
     }
     recipe.all("", NodalVelocity { least_mass: recipe.least_mass });
@@ -85,7 +85,7 @@ fn forces_on_nodes(recipe: &mut Builder<'_>) {
 
 /// What free rigid bodies and conditions do to nodes, and how particles follow.
 fn nodes_to_particles(recipe: &mut Builder<'_>) {
-    if recipe.deformable().next().is_some() {
+    if recipe.scene.deformable().next().is_some() {
         recipe.rigid_push();
         recipe.hold_bonds();
         recipe.drive_nodes();

@@ -6,12 +6,12 @@ use physics::faces::{FaceCondition, Image};
 use physics::motion::{Course, Motion};
 use physics::solid::Solid;
 use physics::table::Table;
-use scene::sampling::inside;
+use scene::sampling::reaches;
 use scene::{Behavior, Region, RigidMotion, Scene};
 
 /// All tools and walls: what is prescribed, and free rigid bodies.
 pub fn tools(scene: &Scene, givers: &Givers) -> Vec<Tool> {
-    let bodies = (0..scene.materials.len()).filter(|&m| is_rigid(scene, m));
+    let bodies = (0..scene.materials.len()).filter(|&m| scene.materials[m].is_rigid());
     let bodies = bodies.map(|m| Tool {
         shape: scene.shape(m),
         pose: Pose::Body(m),
@@ -25,7 +25,7 @@ pub fn tools(scene: &Scene, givers: &Givers) -> Vec<Tool> {
             shape: outside(scene, face),
             pose: Pose::Course(wall.course.clone()),
             tile: givers.tile(Giver::Face(face)).unwrap_or(0),
-            meets: deformable(scene).map(material).collect(),
+            meets: scene.deformable().map(material).collect(),
         })
     });
     bodies.chain(walls).filter(|tool| !tool.meets.is_empty()).collect()
@@ -35,7 +35,7 @@ pub fn tools(scene: &Scene, givers: &Givers) -> Vec<Tool> {
 /// cut a free body, which is locked along them.
 pub fn obstacles(scene: &Scene) -> Vec<(Giver, Tool)> {
     let tool = |shape, pose| Tool { shape, pose, tile: 0, meets: Vec::new() };
-    let bodies = (0..scene.materials.len()).filter(|&m| is_rigid(scene, m));
+    let bodies = (0..scene.materials.len()).filter(|&m| scene.materials[m].is_rigid());
     let bodies = bodies.map(|m| (Giver::Rigid(m), tool(scene.shape(m), Pose::Body(m))));
     let faces = (0..6).filter(|&face| !is_open(scene, face) && !cuts_a_body(scene, face));
     let faces = faces.map(|face| {
@@ -51,36 +51,18 @@ fn is_open(scene: &Scene, face: usize) -> bool {
 }
 
 fn cuts_a_body(scene: &Scene, face: usize) -> bool {
-    let ((lower, upper), axis) = (inside(&scene.domain), face / 2);
-    let near = 1e-6 * scene.domain.cell;
-    let reaches = |m: usize| {
-        let (from, to) = scene.shape(m).bounds();
-        if face.is_multiple_of(2) { from[axis] <= lower[axis] + near } else { to[axis] >= upper[axis] - near }
-    };
+    let reaches = |m: usize| reaches(&scene.domain, scene.shape(m).bounds(), face);
     let mirror = scene.faces[face].image() == Some(Image::Mirror);
-    mirror && (0..scene.materials.len()).any(|m| is_free(scene, m) && reaches(m))
-}
-
-fn is_rigid(scene: &Scene, material: usize) -> bool {
-    matches!(scene.materials[material].behavior, Behavior::Rigid(_))
-}
-
-/// Whether a material is a rigid body that contact moves.
-pub fn is_free(scene: &Scene, material: usize) -> bool {
-    matches!(scene.materials[material].behavior, Behavior::Rigid(RigidMotion::Free { .. }))
+    mirror && (0..scene.materials.len()).any(|m| scene.materials[m].is_free() && reaches(m))
 }
 
 /// Whether tools, walls or rigid bodies may meet a material.
 pub fn meets_tools(scene: &Scene, material: usize) -> bool {
-    let tool = |other: usize| is_rigid(scene, other);
     let walls = || scene.faces.iter().any(|face| face.wall().is_some());
-    let contact = |c: &scene::Contact| c.between.contains(&material) && c.between.iter().any(|&m| tool(m));
-    deformable(scene).any(|m| m == material) && (walls() || scene.contacts.iter().any(contact))
-}
-
-fn deformable(scene: &Scene) -> impl Iterator<Item = usize> {
-    let all = scene.materials.iter().enumerate();
-    all.filter(|(_, m)| matches!(m.behavior, Behavior::Deformable(_))).map(|(index, _)| index)
+    let contact = |c: &scene::Contact| {
+        c.between.contains(&material) && c.between.iter().any(|&m| scene.materials[m].is_rigid())
+    };
+    !scene.materials[material].is_rigid() && (walls() || scene.contacts.iter().any(contact))
 }
 
 fn meetings(scene: &Scene, givers: &Givers, tool: usize) -> Vec<Meeting> {
@@ -108,7 +90,6 @@ fn outside(scene: &Scene, face: usize) -> Solid {
 
 /// What moves as prescribed: tools, walls and drives.
 pub fn movers(scene: &Scene) -> Vec<Mover> {
-    let still = || Table(vec![(0.0, [0.0; 3])]);
     let met = |tool: usize| {
         let pairs = scene.contacts.iter().map(|c| c.between).filter(move |pair| pair.contains(&tool));
         pairs.map(move |[a, b]| if a == tool { b } else { a }).collect::<Vec<usize>>()
@@ -122,9 +103,9 @@ pub fn movers(scene: &Scene) -> Vec<Mover> {
         _ => None,
     });
     let walls = scene.faces.iter().filter_map(|face| face.wall()).map(|wall| Mover {
-        motion: Motion { course: wall.course, spin: still(), center: [0.0; 3] },
+        motion: Motion { course: wall.course, spin: Table::zero(), center: [0.0; 3] },
         radius: 0.0,
-        meets: deformable(scene).collect(),
+        meets: scene.deformable().collect(),
     });
     let drives = scene.drives.iter().map(|drive| {
         let shape = match &drive.region {

@@ -58,8 +58,8 @@ impl Push<'_> {
 const REACH: f64 = 6.0;
 
 impl Bodies {
-    /// Goes through all nodes of a block where bodies touch matter; `one` says what bonds make one. Where several touch one node they do so one after the other, in the order
-    /// of the scene, each with what the one before has left.
+    /// Goes through all nodes of a block where bodies touch matter; `one` says what bonds make one. Where several touch one node they do so
+    /// one after the other, in the order of the scene, each with what the one before has left.
     #[inline(never)]
     pub fn each_push<'a>(
         &'a self,

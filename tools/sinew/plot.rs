@@ -31,15 +31,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Ok(());
     }
     let column = |name: &str| {
-        table.column(name).ok_or_else(|| {
+        let numbers = table.column(name).ok_or_else(|| {
             Failure::usage(format!(
                 "the history has no column {name:?}: `sinew plot {}` prints their names",
                 args.dir.display()
             ))
-        })
-    };
-    let column = |name: &str| {
-        let numbers = column(name)?;
+        })?;
         let some = numbers.iter().any(|x| x.is_finite());
         if some {
             Ok(numbers)

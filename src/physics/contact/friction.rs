@@ -60,6 +60,15 @@ impl Friction {
         };
         acts.then_some(approach.max(0.0))
     }
+
+    /// The slip of surfaces that are pressed together, how fast it is [m/s], and the share of it that friction takes.
+    #[inline]
+    fn touching(&self, pair: &Pair) -> Option<([f64; 3], f64, f64)> {
+        let approach = self.approach(pair).filter(|approach| *approach > 0.0)?;
+        let slip: [f64; 3] = std::array::from_fn(|a| pair.relative[a] - approach * pair.normal[a]);
+        let (speed, limit) = (dot(slip, slip).sqrt(), self.coefficient * approach);
+        Some((slip, speed, if speed > limit { limit / speed } else { 1.0 }))
+    }
 }
 
 impl ContactLaw for Friction {
@@ -80,30 +89,21 @@ impl ContactLaw for Friction {
 
     #[inline]
     fn secant(&self, pair: &Pair) -> [[f64; 3]; 3] {
-        let Some(approach) = self.approach(pair).filter(|approach| *approach > 0.0) else {
-            return [[0.0; 3]; 3];
-        };
-        let slip: [f64; 3] = std::array::from_fn(|a| pair.relative[a] - approach * pair.normal[a]);
-        let (speed, limit) = (dot(slip, slip).sqrt(), self.coefficient * approach);
-        pair.takes(1.0, if speed > limit { limit / speed } else { 1.0 })
+        self.touching(pair).map_or([[0.0; 3]; 3], |(_, _, share)| pair.takes(1.0, share))
     }
 
     #[inline]
     fn stiffness(&self, pair: &Pair) -> [[f64; 3]; 3] {
-        let Some(approach) = self.approach(pair).filter(|approach| *approach > 0.0) else {
-            return [[0.0; 3]; 3];
-        };
-        let (n, m) = (pair.normal, pair.reduced_mass);
-        let slip: [f64; 3] = std::array::from_fn(|a| pair.relative[a] - approach * n[a]);
-        let (speed, limit) = (dot(slip, slip).sqrt(), self.coefficient * approach);
-        if speed <= limit {
-            return pair.takes(1.0, 1.0);
+        let Some((slip, speed, share)) = self.touching(pair) else { return [[0.0; 3]; 3] };
+        let (mut all, n, m) = (pair.takes(1.0, share), pair.normal, pair.reduced_mass);
+        if share == 1.0 {
+            return all;
         }
         // friction is m μ (u·n) t, with the direction t of the slip
-        let (mut all, t) = (pair.takes(1.0, limit / speed), slip.map(|s| s / speed));
+        let t = slip.map(|s| s / speed);
         for i in 0..3 {
             for j in 0..3 {
-                all[i][j] += m * (self.coefficient * t[i] * n[j] - limit / speed * t[i] * t[j]);
+                all[i][j] += m * (self.coefficient * t[i] * n[j] - share * t[i] * t[j]);
             }
         }
         all
