@@ -1,7 +1,7 @@
 //! Bonds: two bodies as one, until the traction is too large.
 mod common;
 
-use common::{Overrides, finish, numbers, scene, start};
+use common::{Overrides, finish, numbers, scene, start, until};
 use engine::schema::Label;
 use sinew::simulation::{Report, Simulation};
 use std::collections::HashMap;
@@ -199,6 +199,9 @@ fn a_bond_holds_across_the_gap_that_particles_span() {
     assert!(right < -0.05);
 }
 
+/// How far the lattice lies from where planes of nodes are surfaces [m].
+const SHIFTS: [f64; 2] = [0.0, 0.5e-3];
+
 fn peak(simulation: &mut Simulation, of: impl Fn(&Report) -> f64) -> (f64, f64) {
     let (mut most, mut last) = (0.0f64, 0.0);
     loop {
@@ -231,10 +234,80 @@ fn a_bond_parts_at_its_strength() {
     let force = |report: &Report| {
         report.givers.iter().find(|it| it.name == "contact.left.right").expect("the contact").force[0] / 4e-6
     };
-    let mut simulation = start(scene(BAR, pulled));
-    let (most, last) = peak(&mut simulation, force);
-    println!("it bore {:.2} kPa, and bears {:.3} kPa in the end", most / 1e3, last / 1e3);
-    assert!((most / 20e3 - 1.0).abs() < 0.03 && last == 0.0);
-    let broken = numbers(&simulation, labels::Bond::ID).iter().filter(|bond| bond[0] == 0.0).count();
-    assert_eq!(broken, 32, "one layer on either side");
+    for shift in SHIFTS {
+        let [lower, upper] = [-2e-3, 22e-3].map(|x| (x + shift).to_string());
+        let shifted: Overrides<'_> = &[("domain.lower.0", &lower), ("domain.upper.0", &upper)];
+        let mut simulation = start(scene(BAR, &[pulled, shifted].concat()));
+        let (most, last) = peak(&mut simulation, force);
+        println!("{shift}: it bore {:.2} kPa, and bears {:.3} kPa in the end", most / 1e3, last / 1e3);
+        assert!((most / 20e3 - 1.0).abs() < 0.03 && last == 0.0);
+        let broken = numbers(&simulation, labels::Bond::ID).iter().filter(|bond| bond[0] == 0.0).count();
+        assert_eq!(broken, 32, "one layer on either side");
+    }
+}
+
+/// Two layers of 24 x 2 mm between grips, the left of which moves like this.
+fn layers(shift: f64, displacement: &str, more: Overrides<'_>) -> Simulation {
+    let [lower, upper] = [-2e-3, 8e-3].map(|x| (x + shift).to_string());
+    let drive = format!(
+        "[{{ name = \"pull\", material = \"left\", region = {{ box = {{ lower = [0, 0, 0], upper = [1e-3, 24e-3, 2e-3] }} }}, \
+         displacement = {displacement} }}, \
+         {{ name = \"hold\", material = \"right\", region = {{ box = {{ lower = [5e-3, 0, 0], upper = [6e-3, 24e-3, 2e-3] }} }} }}]"
+    );
+    let layers: Overrides<'_> = &[
+        ("domain.lower.0", &lower),
+        ("domain.lower.1", "-2e-3"),
+        ("domain.upper.0", &upper),
+        ("domain.upper.1", "26e-3"),
+        ("body.left.shape.box.upper", "[3e-3, 24e-3, 2e-3]"),
+        ("body.right.shape.box.lower", "[3e-3, 0, 0]"),
+        ("body.right.shape.box.upper", "[6e-3, 24e-3, 2e-3]"),
+        ("boundary.y-min", "free"),
+        ("boundary.y-max", "free"),
+        ("drive", &drive),
+        ("contact.0.shear-strength", "20 kPa"),
+        ("load.damping", "3000"),
+        ("run.until", "12 ms"),
+    ];
+    start(scene(BAR, &[layers, more].concat()))
+}
+
+/// Mean shear stress next to the bond, of slices of one cell along it [Pa].
+fn shear(simulation: &Simulation) -> [f64; 24] {
+    let (x, tau) =
+        (numbers(simulation, labels::Position::ID), numbers(simulation, labels::KirchhoffStress::ID));
+    let mut slices = [[0.0; 2]; 24];
+    for (x, tau) in x.iter().zip(&tau).filter(|(x, _)| (x[0] - 3e-3).abs() < 0.5e-3) {
+        let slice = &mut slices[((x[1] / 1e-3) as usize).min(23)];
+        *slice = [slice[0] + tau[1], slice[1] + 1.0];
+    }
+    slices.map(|[sum, count]| sum / count)
+}
+
+/// Sheared layers part at the shear strength; what is broken rubs.
+#[test]
+fn a_sheared_bond_parts_at_its_strength_and_rubs() {
+    for shift in SHIFTS {
+        let mut simulation = layers(shift, "[[0, 0, 0, 0], [12e-3, 0, 0.32e-3, 0]]", &[]);
+        let whole = |s: &Simulation| numbers(s, labels::Bond::ID).iter().all(|bond| bond[0] == 1.0);
+        let mut slices = [0.0; 24];
+        while whole(&simulation) {
+            slices = shear(&simulation);
+            assert!(simulation.step().expect("steps"), "it parts");
+        }
+        // near the edges it is a little higher than in the middle
+        let most = slices.iter().fold(0.0f64, |most, s| most.max(s.abs()));
+        println!("{shift}: it bore {:.2} kPa", most / 1e3);
+        assert!((most / 20e3 - 1.0).abs() < 0.03, "{most}");
+    }
+
+    let pressed = "[[0, 0, 0, 0], [2e-3, 4e-5, 0, 0], [12e-3, 4e-5, 0.4e-3, 0]]";
+    let mut simulation = layers(0.0, pressed, &[("contact.0.friction", "0.3")]);
+    until(&mut simulation, 11e-3);
+    simulation.mark_row();
+    let report = finish(&mut simulation).expect("runs");
+    let force = report.givers.iter().find(|it| it.name == "contact.left.right").expect("the contact").force;
+    let [pushed, rubbed] = [0, 1].map(|a| force[a] / 48e-6);
+    println!("pressed with {:.3} kPa it rubs with {:.3} kPa", pushed / 1e3, rubbed / 1e3);
+    assert!(pushed < -10e3 && (rubbed / pushed - 0.3).abs() < 0.003);
 }

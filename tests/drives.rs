@@ -1,7 +1,7 @@
 //! Drives: what they hold is held, and what is next to them is strained by the whole of their motion.
 mod common;
 
-use common::{Overrides, finish, norm, numbers, scene, start};
+use common::{Overrides, finish, norm, numbers, scene, start, until};
 use engine::schema::Label;
 use sinew::simulation::{Report, Simulation};
 use tasks::labels;
@@ -71,12 +71,6 @@ fn forces(simulation: &mut Simulation, names: [&str; 2]) -> [f64; 2] {
     simulation.mark_row();
     let report = finish(simulation).expect("runs");
     names.map(|name| force(&report, name)[0])
-}
-
-fn until(simulation: &mut Simulation, time: f64) {
-    while simulation.clock().time < time {
-        simulation.step().expect("steps");
-    }
 }
 
 #[test]

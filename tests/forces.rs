@@ -1,7 +1,7 @@
 //! Forces, tractions and pressures on parts of bodies, against closed forms.
 mod common;
 
-use common::{Overrides, finish, numbers, run, scene, start};
+use common::{Overrides, finish, numbers, run, scene, start, until};
 use engine::schema::Label;
 use std::collections::HashMap;
 use tasks::labels;
@@ -45,6 +45,28 @@ fn a_total_force_is_mass_times_acceleration() {
     // its work is all energy that there is, but for what the transfer loses
     let all = report.energy().total() + report.transfer;
     assert!((push.work / all - 1.0).abs() < 0.01, "{} {all}", push.work);
+}
+
+/// A force on one of two bodies of a material moves that one alone.
+#[test]
+fn a_force_on_a_body_moves_that_body() {
+    let two: Overrides<'_> = &[
+        (
+            "body",
+            "[{ name = 'block', material = 'rubber', shape = { box = { lower = [-5e-3, -1e-3, -1e-3], upper = [-3e-3, 1e-3, 1e-3] } } }, \
+              { name = 'other', material = 'rubber', shape = { box = { lower = [1e-3, -1e-3, -1e-3], upper = [3e-3, 1e-3, 1e-3] } } }]",
+        ),
+        ("force", "[{ material = 'rubber', body = 'other', total = [2e-4, 0, 0] }]"),
+        ("run.until", "5 ms"),
+    ];
+    let mut simulation = start(scene(BLOCK, two));
+    finish(&mut simulation).expect("runs");
+    let (x, v) = (numbers(&simulation, labels::Position::ID), numbers(&simulation, labels::Velocity::ID));
+    for (x, v) in x.iter().zip(&v) {
+        // 8 mg
+        let exact = if x[0] > 0.0 { 2e-4 * 5e-3 / 8e-6 } else { 0.0 };
+        assert!((v[0] - exact).abs() < 1e-9, "{x:?} {v:?}");
+    }
 }
 
 /// An eighth of a cube under pressure from all sides: K/2 (J − 1/J) = −p; under a dead pressure −p J^(−2/3).
@@ -153,9 +175,7 @@ fn a_dead_traction_is_the_nominal_stress() {
         ("load.damping", "800"),
     ];
     let mut simulation = start(scene(BLOCK, bar));
-    while simulation.clock().time < 0.035 {
-        simulation.step().expect("steps");
-    }
+    until(&mut simulation, 0.035);
     simulation.mark_row();
     let report = finish(&mut simulation).expect("runs");
     let (f, tau) =

@@ -78,7 +78,12 @@ fn contact(given: &Node, materials: &[Material], path: &str) -> Outcome<Contact>
         let place = given.find("criterion").unwrap_or(given).place;
         return Err(Fault::new(place, message).help("set `criterion = \"approach\"`"));
     }
-    Ok(Contact { between: pair, law, gap: given.get("gap").number() })
+    let gap = given.get("gap");
+    if gap.number() > 0.0 && law.bond().is_some_and(|strength| !strength.is_finite()) {
+        let message = "a bond without a strength holds whatever the gap";
+        return Err(Fault::new(gap.place, message).help("leave out `gap`, or give the bond a strength"));
+    }
+    Ok(Contact { between: pair, law, gap: gap.number() })
 }
 
 pub(super) fn drives(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Drive>> {

@@ -65,6 +65,14 @@ pub fn finish(simulation: &mut Simulation) -> Result<Report, RunError> {
     Ok(simulation.report()?)
 }
 
+/// Steps until a time [s] is reached.
+#[track_caller]
+pub fn until(simulation: &mut Simulation, time: f64) {
+    while simulation.clock().time < time {
+        simulation.step().expect("steps");
+    }
+}
+
 /// The report at the end of a scene.
 #[track_caller]
 pub fn run(scene: Scene) -> Report {

@@ -94,3 +94,22 @@ fn rigid_bodies() {
     let (error, _) = refused(&two, &[]);
     assert!(error.contains("are both rigid") && error.contains("ends if they ever meet"), "{error}");
 }
+
+/// Bonds that could not part, or that would say what they do not do.
+#[test]
+fn bonds() {
+    let bond =
+        |more: &str| GOOD.replace("law = \"friction\"\nfriction = 0.1", &format!("law = \"bonded\"\n{more}"));
+    for (more, facts) in [
+        ("friction = 0.1", ["never breaks", "contact.0.friction"]),
+        ("gap = 0.5", ["holds whatever the gap", "leave out `gap`"]),
+        (
+            "normal-strength = \"1 kPa\"",
+            ["\"hard\" has a strength, which is not modelled", "leave out the strength"],
+        ),
+    ] {
+        let (error, _) = refused(&bond(more), &[]);
+        assert!(facts.iter().all(|fact| error.contains(fact)), "{more}: {error}");
+    }
+    read_text("test", &bond(""), &[], None).expect("a bond");
+}
