@@ -107,6 +107,31 @@ fn a_cube_under_pressure_has_the_volume_of_its_pressure() {
     }
 }
 
+/// A pressure on a side of a block that a drive turns goes with it, ∫ p A (cos ωt, sin ωt) dt, if it follows; or keeps its direction.
+#[test]
+fn a_pressure_that_follows_turns_with_its_surface() {
+    let (spin, time, push) = (150.0, 0.01, 20.0 * 36e-6);
+    for (follows, exact) in
+        [(true, [f64::sin(spin * time) / spin, (1.0 - f64::cos(spin * time)) / spin]), (false, [time, 0.0])]
+    {
+        let force = format!("[{{ material = 'rubber', pressure = 20, side = '+x', follows = {follows} }}]");
+        let turning: Overrides<'_> = &[
+            ("drive", "[{ material = 'rubber', angular-velocity = [0, 0, 150] }]"),
+            ("force", &force),
+            ("run.until", "10 ms"),
+        ];
+        let mut simulation = start(scene(BLOCK, turning));
+        let report = finish(&mut simulation).expect("runs");
+        let given = report.givers.iter().find(|it| it.name == "force.0").expect("the force").impulse;
+        let found = [0, 1].map(|a| -given[a] / push);
+        println!(
+            "follows {follows}: {:.6} {:.6} s, exact {:.6} {:.6} s",
+            found[0], found[1], exact[0], exact[1]
+        );
+        assert!((0..2).all(|a| (found[a] - exact[a]).abs() < 0.005 * time));
+    }
+}
+
 /// A thick ring under pressure from within (Lamé, plane strain): u = (1 + ν) p a² / (E (b² − a²)) ((1 − 2ν) r + b²/r).
 #[test]
 fn a_thick_ring_widens_as_lame_says() {

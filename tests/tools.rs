@@ -1,7 +1,7 @@
 //! Tools: shapes without particles, and moving faces, that push matter.
 mod common;
 
-use common::{Overrides, finish, scene, start};
+use common::{Overrides, finish, scene, start, until};
 use engine::schema::Label;
 use sinew::simulation::{GiverReport, Report, Simulation};
 
@@ -44,12 +44,6 @@ fn giver<'a>(report: &'a Report, name: &str) -> &'a GiverReport {
     report.givers.iter().find(|it| it.name == name).unwrap_or_else(|| panic!("{name} gives nothing"))
 }
 
-fn until(simulation: &mut Simulation, time: f64) {
-    while simulation.clock().time < time {
-        simulation.step().expect("steps");
-    }
-}
-
 #[test]
 fn a_plate_without_friction_does_not_brake_and_one_with_friction_does_by_coulomb() {
     for tenth in 0..10 {
@@ -73,6 +67,26 @@ fn a_plate_without_friction_does_not_brake_and_one_with_friction_does_by_coulomb
         // what the block has lost is what the plate has given
         let lost = report.materials[0].momentum[0] - 10.0 * report.materials[0].mass;
         assert!((lost / x - 1.0).abs() < 1e-9, "{lost} {x}");
+    }
+}
+
+/// A face that is a plate rubs what slides along it, and a plate that goes along does not.
+#[test]
+fn a_face_rubs_by_coulomb() {
+    for (velocity, rubs) in [("[0, 0, 0]", 1.0), ("[10, 0, 0]", 0.0), ("[20, 0, 0]", -1.0)] {
+        let face = format!("{{ plate = {{ friction = 0.3, velocity = {velocity} }} }}");
+        let on_face: Overrides<'_> = &[
+            ("boundary.z-min", &face),
+            ("domain.lower.2", "3e-3"),
+            ("domain.upper.2", "13e-3"),
+            ("body.plate.shape.half-space.point.2", "-3e-3"),
+        ];
+        let report = common::run(scene(BLOCK, on_face));
+        let [x, _, z] = giver(&report, "face.z-min").impulse;
+        println!("a plate at {velocity} m/s: friction / (mu normal) {:.4}", -x / (0.3 * z));
+        assert!(z > 0.0 && (-x / (0.3 * z) - rubs).abs() < 0.01);
+        let lost = report.materials[0].momentum[0] - 10.0 * report.materials[0].mass;
+        assert!((lost - x).abs() < 1e-9 * z, "{lost} {x}");
     }
 }
 
