@@ -106,7 +106,7 @@ fn a_pulse_passes_a_bond_as_it_passes_one_body() {
             let apart = layers_apart(&two, &one);
             let behind = two.iter().filter(|(x, _)| x[0] > 10_000).map(|(_, v)| size(*v)).fold(0.0, f64::max);
             println!("{name}, {rates:?}: apart by {:.2} %, behind the bond {behind:.3} m/s", apart / 1e-3);
-            // at one rate the two are one; at rates of their own they meet in other steps
+            // at one rate the two are one; at rates of their own they meet in other steps, and differ by what falls with the cell
             let most = if rates.1 == "common" { 1e-6 } else { 0.06 };
             assert!(behind > 0.09 && apart < most * 0.1, "{name}: {apart}");
         }
