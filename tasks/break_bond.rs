@@ -2,7 +2,7 @@ use crate::labels::{Bond, ContactImpulse, Weights};
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// b_p = 0 for particles most of whose weight lies on nodes where bonds broke in this step.
+/// b_p = 0 for particles most of whose weight lies on nodes where bonds broke in this step; nodes that bear none of the stress do not count.
 pub struct BreakBond;
 
 engine::task! { NearParticles task BreakBond {
@@ -20,9 +20,12 @@ impl Body for BreakBond {
                 continue;
             }
             let nodes = io.weights[tile].nodes(lane, &at.origin);
-            let broken: f64 =
-                nodes.filter(|(line, ..)| io.broken[*line].is_broken()).map(|(_, s, _)| s).sum();
-            if broken > 0.5 {
+            let (mut broken, mut aside) = (0.0, 0.0);
+            for (line, s, _) in nodes {
+                broken += if io.broken[line].is_broken() { s } else { 0.0 };
+                aside += if io.broken[line].is_aside() { s } else { 0.0 };
+            }
+            if broken > 0.0 && broken > 0.5 * (1.0 - aside) {
                 io.bond[tile].0[lane] = 0.0;
             }
         }

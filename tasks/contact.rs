@@ -1,6 +1,7 @@
 use crate::bonds::{common_velocity, each_group};
+use crate::drive_nodes::LEAST;
 use crate::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, Reactions};
-use crate::node::{Impulse, Motion, Sums, Surface};
+use crate::node::{Driven, Impulse, Motion, Sums, Surface};
 use crate::reactions::{NUMBERS, Reaction};
 use engine::data::exact_sum::ExactSum;
 use engine::data::fields::FieldId;
@@ -52,7 +53,7 @@ impl Body for Contact {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let Io { sums, surfaces, motion, impulse, reactions } = &mut io;
-        let mut meeting = Meeting { sums, surfaces, motion, impulse, reactions };
+        let mut meeting = Meeting { sums, surfaces, driven: &[], motion, impulse, reactions };
         self.exchange_all(at, &mut meeting);
     }
 }
@@ -63,6 +64,8 @@ pub struct Meeting<'a> {
     pub sums: &'a [Sums],
     /// `ContactSums`
     pub surfaces: &'a [Surface],
+    /// `DriveSums`; nothing, where there are no drives.
+    pub driven: &'a [Driven],
     /// `NodeMotion`
     pub motion: &'a mut [Motion],
     /// `ContactImpulse`
@@ -77,11 +80,24 @@ struct Side<'a> {
     sums: &'a Sums,
     surface: &'a Surface,
     velocity: [f64; 3],
+    /// Along which axes drives hold it, whatever it receives.
+    held: [bool; 3],
     /// How long ago its particles gave what the node knows of its surface [s].
     elapsed: f64,
 }
 
 impl Side<'_> {
+    /// Goes with the drives that hold it; what it receives, they take at the end of its step (see `DriveNodes`).
+    fn driven(mut self, driven: Option<&Driven>) -> Self {
+        if let Some(driven) = driven {
+            let (mass, momentum) = (driven.mass(), driven.momentum());
+            for a in (0..3).filter(|&a| mass[a] > LEAST * self.sums.mass()) {
+                (self.velocity[a], self.held[a]) = (momentum[a] / mass[a], true);
+            }
+        }
+        self
+    }
+
     /// Σ V ∇S: points out of the material.
     fn outward(&self) -> [f64; 3] {
         std::array::from_fn(|a| self.surface.outward(a))
@@ -112,24 +128,30 @@ impl Contact {
                     continue;
                 }
                 let node = self.lattice.position(at.node_of(n));
-                let sides = [0, 1].map(|i| Side {
-                    material: materials[i],
-                    sums: &io.sums[lines[i]],
-                    surface: &io.surfaces[lines[i]],
-                    velocity: io.motion[lines[i]].velocity(),
-                    elapsed: elapsed[i],
+                let both = self.interpolated && begin;
+                // two that are one begin with a velocity that counts the matter of both, driven or not
+                let as_one = both && pair.law.bond().is_some();
+                let sides = [0, 1].map(|i| {
+                    let side = Side {
+                        material: materials[i],
+                        sums: &io.sums[lines[i]],
+                        surface: &io.surfaces[lines[i]],
+                        velocity: io.motion[lines[i]].velocity(),
+                        held: [false; 3],
+                        elapsed: elapsed[i],
+                    };
+                    side.driven(io.driven.get(lines[i]).filter(|_| !as_one))
                 });
                 let given = lines[0];
-                let both = self.interpolated && begin;
                 let time = if both { 0.0 } else { at.fields[a].elapsed + at.fields[a].tick };
                 let past = Past { impulse: &io.impulse[given], time };
                 let Some((exchange, bond)) = self.exchange(pair, &sides, node, &past) else {
                     continue;
                 };
-                if bonds && bond == Bond::Holds {
+                if bonds && bond.holds() {
                     join(io.impulse, at.fields.len(), n, [a, b]);
                 }
-                if bond == Bond::Holds && time == 0.0 {
+                if bond.holds() && time == 0.0 {
                     // what is one body has one velocity at a node, and nothing is exchanged for that
                     for (i, sign) in [(0, 1.0), (1, -1.0)] {
                         let impulse = [0, 1, 2].map(|a| sign * (exchange.normal[a] + exchange.friction[a]));
@@ -137,8 +159,10 @@ impl Contact {
                     }
                     continue;
                 }
-                if bond == Bond::Breaks {
-                    lines.iter().for_each(|&line| io.impulse[line].break_bond());
+                match bond {
+                    Bond::Breaks => lines.iter().for_each(|&line| io.impulse[line].break_bond()),
+                    Bond::HoldsAside => lines.iter().for_each(|&line| io.impulse[line].hold_aside()),
+                    Bond::None | Bond::Holds => {}
                 }
                 let masses = sides.each_ref().map(|side| side.sums.mass());
                 let given = std::array::from_fn(|a| exchange.normal[a] + exchange.friction[a]);
@@ -171,20 +195,17 @@ impl Contact {
         // in the midst of two bodies that are one, there is no surface: any direction will do
         let (normal, area) =
             if bond.is_some() { direction.unwrap_or(([0.0, 0.0, 1.0], 0.0)) } else { direction? };
-        let masses = [a.sums.mass(), b.sums.mass()];
-        let relative = std::array::from_fn(|i| a.velocity[i] - b.velocity[i]);
-        let reduced_mass = masses[0] * masses[1] / (masses[0] + masses[1]);
         // the internal force of a uniformly stressed surface is −σ Σ V ∇S
         let traction = (dot(b.sums.force(), normal) - dot(a.sums.force(), normal)) / area;
-        let seen = Pair { relative, reduced_mass, normal, traction };
+        let seen = seen(sides, normal, traction);
         let mut state = Bond::None;
         if let Some(strength) = bond {
             let exchange = pair.law.exchange(&seen);
-            let area = 0.5 * area;
+            let (area, held) = self.bearing(sides, 0.5 * area);
             let decides = past.time > 0.0 && area > DECISIVE * self.lattice.cell.powi(2);
             let (tension, shear) = past.tractions(&exchange, normal, area);
             if !decides || !strength.is_exceeded(tension, shear) {
-                return Some((exchange, Bond::Holds));
+                return Some((exchange, held));
             }
             state = Bond::Breaks;
         }
@@ -193,6 +214,27 @@ impl Contact {
         }
         let rubs = pair.law.bond().is_some();
         Some((if rubs { pair.law.broken(&seen) } else { pair.law.exchange(&seen) }, state))
+    }
+
+    /// The area [m²] whose traction a node bears: that of the surface there. A surface at a distance of d cells from a node has S(d) = 1 − d of its
+    /// area on it, and on the next one the rest. But a drive that holds one side holds what is bonded to it on both planes of nodes about the
+    /// surface, and nothing is strained between them. Particles as wide as δ, of which x lies there, bear the part 1 − x/δ of the stress σ and
+    /// give x (1 − x/δ) σ to the plane within the driven side; the one beyond has the rest, of the whole area, and decides for both.
+    fn bearing(&self, sides: &[Side<'_>; 2], area: f64) -> (f64, Bond) {
+        let (free, held) = match sides.each_ref().map(|side| side.held != [false; 3]) {
+            [false, true] => (&sides[0], &sides[1]),
+            [true, false] => (&sides[1], &sides[0]),
+            _ => return (area, Bond::Holds),
+        };
+        // what lies behind a plane at d fills ½ (1 − d)² of the node
+        let volume = held.sums.volume() + free.sums.volume();
+        let part = held.sums.volume() / volume;
+        if part >= 0.5 {
+            return (area, if part > 0.5 + 1e-6 { Bond::HoldsAside } else { Bond::Holds });
+        }
+        let width = self.surfaces[free.material].spacing();
+        let x = (1.0 - (2.0 * part).sqrt()) % width;
+        ((1.0 - x * (1.0 - x / width)) * volume / self.lattice.cell, Bond::Holds)
     }
 
     /// Gap between the surfaces near the node [cells], along the mean of the two unit normals: where edges of two bodies
@@ -247,7 +289,45 @@ fn join(impulse: &mut [Impulse], fields: usize, n: usize, pair: [usize; 2]) {
 fn normal([a, b]: &[Side<'_>; 2]) -> Option<([f64; 3], f64)> {
     let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
     let area = dot(difference, difference).sqrt();
+    if area > 0.0 && [a, b].iter().any(|side| side.held != [false; 3]) {
+        // What is held pushes without end of mass, though little of it is at the node; to the matter that fills the node, the
+        // surface has no direction but that of rounding and of uneven spacing.
+        let less = if a.sums.volume() < b.sums.volume() { a.outward() } else { b.outward().map(|n| -n) };
+        return Some((unit(less, 0.0), area));
+    }
     (area > 0.0).then(|| (difference.map(|d| d / area), area))
+}
+
+/// What a contact law sees of two sides.
+fn seen(sides: &[Side<'_>; 2], normal: [f64; 3], traction: f64) -> Pair {
+    let [a, b] = sides;
+    let relative: [f64; 3] = std::array::from_fn(|i| a.velocity[i] - b.velocity[i]);
+    if sides.iter().all(|side| side.held == [false; 3]) {
+        let masses = [a.sums.mass(), b.sums.mass()];
+        let reduced_mass = masses[0] * masses[1] / (masses[0] + masses[1]);
+        return Pair { relative, reduced_mass, normal, traction };
+    }
+    // What is held has no end of mass along some axes, and so the reduced mass m along the normal is not the t across. Laws know one of
+    // them: with t, and m/t of the approach, impulses along and across are what they are to be, and so is their ratio.
+    let along = dot(relative, normal);
+    let slip: [f64; 3] = std::array::from_fn(|i| relative[i] - along * normal[i]);
+    let [m, t] = [normal, unit(slip, 0.0)].map(|direction| reduced_along(sides, direction));
+    let (reduced_mass, relative) = match t > 0.0 {
+        true => (t, std::array::from_fn(|i| slip[i] + m / t * along * normal[i])),
+        false => (m, normal.map(|n| along * n)),
+    };
+    Pair { relative, reduced_mass, normal, traction }
+}
+
+/// Reduced mass along a direction d, 1 / Σ d_a² / m_a over axes and sides, where held axes have no end of mass; 0, if both are held along it.
+fn reduced_along(sides: &[Side<'_>; 2], d: [f64; 3]) -> f64 {
+    let (mut all, mut free) = (0.0, 0.0);
+    for side in sides {
+        let one = 1.0 / side.sums.mass();
+        all += one;
+        free += (0..3).filter(|&a| !side.held[a]).map(|a| d[a] * d[a] * one).sum::<f64>();
+    }
+    if free > 1e-6 * all { 1.0 / free } else { 0.0 }
 }
 
 /// Whether the bond of two sides still holds: most of what both have at the node is bonded.
@@ -262,8 +342,16 @@ enum Bond {
     None,
     /// It makes one body of two.
     Holds,
+    /// It does, and others bear its stress: see [`Contact::bearing`].
+    HoldsAside,
     /// It breaks now.
     Breaks,
+}
+
+impl Bond {
+    fn holds(self) -> bool {
+        matches!(self, Bond::Holds | Bond::HoldsAside)
+    }
 }
 
 /// What contact has given to the first material of a pair at a node so far in its step, and how long that took [s]; no time where

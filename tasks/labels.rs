@@ -53,7 +53,7 @@ engine::labels! {
     DriveGift: node::Gift     = node("N s/kg, m/s", "what drives gave, a mass that they hold (3), 0, (v0 + v)/2 (3), 0").values(3);
     ContactSums: node::Surface = node("mixed", "m, m x (3), sum V grad S (3), m b").partials(3).where_fields_meet();
     ToolSums: node::Surface   = node("mixed", "m, m x (3), sum V grad S (3), 0 near tools").partials(3).where_near();
-    ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), broken bonds, friction (3), what bonds make one")
+    ContactImpulse: node::Impulse = node("N s", "impulse of contact in this step: normal (3), what became of a bond, friction (3), what bonds make one")
                                     .values(3).lives(Step).where_fields_meet();
     NodeMotion: node::Motion  = node("m/s, kg", "v (3), m, change of v in this step (3), 0").values(3).lives(Step);
     LoadChange: node::Change  = node("m/s", "what loads have changed of v in this step (3), 0 (5)").lives(Step);

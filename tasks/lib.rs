@@ -19,6 +19,7 @@ pub mod drive_bonds;
 pub mod drive_nodes;
 pub mod drive_scatter;
 pub mod drive_sum;
+pub mod driven_contact;
 pub mod drives;
 pub mod fault;
 pub mod fold;

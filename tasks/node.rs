@@ -272,7 +272,7 @@ impl Change {
     }
 }
 
-/// What contact has given to one field at a node in this step: normal impulse (3), whether a bond broke, friction (3), what bonds make one.
+/// What contact has given to one field at a node in this step: normal impulse (3), what became of a bond, friction (3), what bonds make one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Impulse(pub Wide);
@@ -287,7 +287,19 @@ impl Impulse {
     /// Whether a bond broke here in this step.
     #[inline(always)]
     pub fn is_broken(&self) -> bool {
-        self.0.0[3] > 0.0
+        self.0.0[3] == 1.0
+    }
+    /// Whether a bond holds here whose stress other nodes bear.
+    #[inline(always)]
+    pub fn is_aside(&self) -> bool {
+        self.0.0[3] == 2.0
+    }
+    /// A bond holds here, and other nodes bear its stress.
+    #[inline(always)]
+    pub fn hold_aside(&mut self) {
+        if !self.is_broken() {
+            self.0.0[3] = 2.0;
+        }
     }
     /// A bond breaks here.
     #[inline(always)]

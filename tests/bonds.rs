@@ -311,3 +311,33 @@ fn a_sheared_bond_parts_at_its_strength_and_rubs() {
     println!("pressed with {:.3} kPa it rubs with {:.3} kPa", pushed / 1e3, rubbed / 1e3);
     assert!(pushed < -10e3 && (rubbed / pushed - 0.3).abs() < 0.003);
 }
+
+/// A bond that a drive touches parts at its strength, too.
+#[test]
+fn a_bond_to_driven_matter_parts_at_its_strength() {
+    for (shift, per_cell) in [(0.0, "2"), (0.5e-3, "2"), (0.75e-3, "4")] {
+        let [lower, upper] = [-2e-3, 22e-3].map(|x| (x + shift).to_string());
+        let held: Overrides<'_> = &[
+            ("domain.lower.0", &lower),
+            ("domain.upper.0", &upper),
+            ("body.left.particles-per-cell", per_cell),
+            ("body.right.particles-per-cell", per_cell),
+            ("contact.0.normal-strength", "20 kPa"),
+            (
+                "drive",
+                "[{ name = \"pull\", material = \"left\", body = \"left\", velocity = [[0, 0, 0, 0], [2e-3, -0.02, 0, 0]] }, \
+                 { name = \"hold\", material = \"right\", region = { box = { lower = [18e-3, 0, 0], upper = [20e-3, 2e-3, 2e-3] } } }]",
+            ),
+            ("load.damping", "3000"),
+            ("run.until", "12 ms"),
+        ];
+        let mut simulation = start(scene(BAR, held));
+        let force = |report: &Report| {
+            report.givers.iter().find(|it| it.name == "contact.left.right").expect("the contact").force[0]
+                / 4e-6
+        };
+        let (most, last) = peak(&mut simulation, force);
+        println!("{shift}: it bore {:.2} kPa, and bears {:.3} kPa in the end", most / 1e3, last / 1e3);
+        assert!((most / 20e3 - 1.0).abs() < 0.03 && last == 0.0);
+    }
+}

@@ -208,6 +208,8 @@ fn check_predicts_without_running() {
     for word in ["27648 particles", "memory", "wall time", "steps"] {
         assert!(words.contains(word), "{words}");
     }
+    let tool = sinew(&["check", "problems/hertz", "--validate-only"]);
+    assert!(self::words(&tool).contains("sphere: a shape without particles"), "a tool");
 }
 
 #[test]

@@ -241,3 +241,85 @@ fn a_twisted_bar_resists_with_its_torque() {
     assert!((left + right).abs() < 0.01 * right);
     assert!((right / exact - 1.0).abs() < 0.1);
 }
+
+/// A column between mirrors under a block that a drive presses down and along: σ(λ) whatever the step, and friction μ times that.
+#[test]
+fn a_driven_block_presses_what_it_meets() {
+    let pressed = |drive: &str, more: Overrides<'_>| {
+        let drive = format!("[{{ name = \"press\", material = \"block\", body = \"block\", {drive} }}]");
+        let column: Overrides<'_> = &[
+            ("domain.upper", "[2e-3, 2e-3, 16e-3]"),
+            (
+                "boundary",
+                "{ z-min = \"fixed\", x-min = \"symmetric\", x-max = \"symmetric\", y-min = \"symmetric\", y-max = \"symmetric\" }",
+            ),
+            (
+                "body",
+                "[{ name = \"bar\", material = \"rubber\", shape = { box = { lower = [0, 0, 0], upper = [2e-3, 2e-3, 8e-3] } } }, \
+              { name = \"block\", material = \"block\", shape = { box = { lower = [0, 0, 8e-3], upper = [2e-3, 2e-3, 11e-3] } } }]",
+            ),
+            (
+                "material.block",
+                "{ law = \"neo-hookean\", density = 1000, bulk-modulus = 1e6, shear-modulus = 5e5 }",
+            ),
+            ("contact", "[{ between = [\"rubber\", \"block\"], law = \"friction\", friction = 0.2 }]"),
+            ("drive", &drive),
+        ];
+        let mut simulation = start(scene(BAR, &[column, more].concat()));
+        until(&mut simulation, 6e-3);
+        simulation.mark_row();
+        let report = finish(&mut simulation).expect("runs");
+        force(&report, "contact.rubber.block").map(|f| f / AREA)
+    };
+    let down = "displacement = [[0, 0, 0, 0], [5e-3, 0, 0, -1.6e-3]]";
+    for more in [
+        &[("run.cfl", "0.4")][..],
+        &[("run.cfl", "0.1")],
+        &[("run.rates", "per-material"), ("material.block.bulk-modulus", "16e6")],
+    ] {
+        for components in ["xyz", "z"] {
+            let drive = format!("{down}, components = \"{components}\"");
+            let [_, _, z] = pressed(&drive, &[more, &[("run.until", "8 ms")]].concat());
+            let part = z / nominal(0.8);
+            println!("{more:?}, {components}: {part:.4} of {:.1} kPa", nominal(0.8) / 1e3);
+            assert!((part - 1.0).abs() < 0.04, "{more:?}: {part}");
+        }
+    }
+}
+
+/// A block that a drive presses onto a slab and draws along rubs with μ times what it presses with, wherever the surface lies between nodes. It is as
+/// wide as the slab: a leading edge would plough, too.
+#[test]
+fn a_driven_block_rubs_by_coulomb() {
+    let slab: Overrides<'_> = &[
+        ("domain.lower", "[-14e-3, 0, 0]"),
+        ("domain.upper", "[18e-3, 8e-3, 1e-3]"),
+        ("boundary", "{ y-min = \"fixed\", z-min = \"symmetric\", z-max = \"symmetric\" }"),
+        (
+            "body",
+            "[{ name = \"bar\", material = \"rubber\", particles-per-cell = [2, 2, 1], \
+                shape = { box = { lower = [-12e-3, 0, 0], upper = [12e-3, 4e-3, 1e-3] } } }, \
+              { name = \"block\", material = \"block\", particles-per-cell = [2, 2, 1], \
+                shape = { box = { lower = [-12e-3, 4e-3, 0], upper = [12e-3, 6e-3, 1e-3] } } }]",
+        ),
+        (
+            "material.block",
+            "{ law = \"neo-hookean\", density = 1000, bulk-modulus = 1e6, shear-modulus = 5e5 }",
+        ),
+        ("contact", "[{ between = [\"rubber\", \"block\"], law = \"friction\", friction = 0.5 }]"),
+        (
+            "drive",
+            "[{ material = \"block\", body = \"block\", displacement = [[0, 0, 0, 0], [8e-3, 0.8e-3, -0.2e-3, 0]] }]",
+        ),
+        ("load.damping", "1000"),
+        ("run.until", "8 ms"),
+    ];
+    let mut simulation = start(scene(BAR, slab));
+    for time in [3e-3, 5e-3, 8e-3] {
+        simulation.mark_row();
+        until(&mut simulation, time - 1e-9);
+        let [along, down, _] = force(&simulation.report().expect("one rank"), "contact.rubber.block");
+        println!("until {time} s: pressed with {:.4} N, friction {:.4} of it", -down, along / -down);
+        assert!(down < 0.0 && (along / -down / 0.5 - 1.0).abs() < 0.02);
+    }
+}

@@ -154,6 +154,36 @@ fn a_locked_body_moves_and_turns_along_and_about_what_is_left() {
     assert!((angle - 40.0 * 0.03).abs() < 1e-9, "{angle}");
 }
 
+/// A lock about one axis gives a torque about that alone: the angular momentum about the two others stays, and the energy.
+#[test]
+fn a_lock_gives_no_torque_about_other_axes() {
+    for locked in 0..3 {
+        let mut spin = [30.0, 20.0, 10.0];
+        spin[locked] = 0.0;
+        let (axis, spin) = (["x", "y", "z"][locked], format!("{spin:?}"));
+        let lock: Overrides<'_> = &[
+            ("material.brick.locked-turns", axis),
+            ("material.brick.angular-velocity", &spin),
+            ("run.until", "0.2"),
+        ];
+        let mut simulation = start(scene(BRICK, lock));
+        let first = body(&simulation, 0);
+        common::finish(&mut simulation).expect("runs");
+        let last = body(&simulation, 0);
+        let told = simulation.report().expect("one rank").materials[0].rigid.expect("it is rigid");
+        assert_eq!(told, [[0.0; 3], last.angular]);
+        let [before, after] = [&first, &last].map(tasks::rigid::rotation::momentum);
+        let energy = |it: &RigidState, l: &Vector3<f64>| 0.5 * l.dot(&Vector3::from(it.angular));
+        let drift = energy(&last, &after) / energy(&first, &before) - 1.0;
+        let changed = (after - before) / before.norm();
+        println!("{axis} locked: L changed by {changed:?}, energy by {drift:.1e}, ω {:?}", last.angular);
+        assert!((0..3).all(|a| a == locked || changed[a].abs() < 1e-10), "{changed:?}");
+        assert!(drift.abs() < 1e-3 && last.angular[locked] == 0.0);
+        // the body does tumble
+        assert!((0..3).any(|a| (last.angular[a] - first.angular[a]).abs() > 1.0));
+    }
+}
+
 /// A tool that is pushed: ∫F dt / M, and what pushes it is accounted.
 #[test]
 fn a_force_in_time_moves_a_body_and_is_told() {

@@ -3,7 +3,7 @@ mod common;
 
 use common::{Overrides, finish, scene, start, until};
 use engine::schema::Label;
-use sinew::simulation::{GiverReport, Report, Simulation};
+use sinew::simulation::{GiverReport, Report};
 
 /// A soft block on a plate, in gravity.
 const BLOCK: &str = r#"
@@ -198,6 +198,9 @@ fn a_tool_goes_where_its_table_says_and_is_seen_there() {
     assert!((common::body(&simulation, 1).center[0] - x).abs() < 1e-12);
     let report = finish(&mut simulation).expect("runs");
     let center = [18e-3, 3e-3, 4e-3];
+    let [gone, turn] = report.materials[1].rigid.expect("it is rigid");
+    assert!(gone.iter().zip([-2e-3, 1e-3, 0.0]).all(|(x, wanted)| (x - wanted).abs() < 1e-12), "{gone:?}");
+    assert!((turn[2] - 785.3981633974483).abs() < 1e-9, "{turn:?}");
     assert!(report.materials[1].center.iter().zip(center).all(|(x, wanted)| (x - wanted).abs() < 1e-12));
     // a quarter turn about its corner: what went along x and y goes along y and −x
     let here = |x: &[f64]| {

@@ -82,7 +82,11 @@ fn laws() -> Vec<Case> {
 static BODY: &[Field] = &[
     Field::required("name", Form::Text, "Name in messages; no two bodies share one."),
     Field::required("material", Form::Material, "What it is made of."),
-    Field::required("shape", Form::Other(&SHAPE), "Its shape. Bodies may not overlap nor leave the domain."),
+    Field::required(
+        "shape",
+        Form::Other(&SHAPE),
+        "Its shape. Bodies may not overlap nor leave the domain, but tools may.",
+    ),
     Field::with_default(
         "particles-per-cell",
         Form::Counts(Counts { least: 1, most: 8 }),
@@ -176,8 +180,8 @@ static LOAD: &[Field] = &[
         "damping",
         not_negative(Rate),
         Absent::Number(0.0),
-        "Mass-proportional damping, a = −damping · v, by its exponential, however strong. Impulses of tools, faces and \
-        contact are told as they act on the damped motion: (1 − e^(−damping Δt))/(damping Δt) of the force in a step, the rest by \
+        "Mass-proportional damping, a = −damping · v, by its exponential, however strong. Impulses of tools, drives, moving \
+        faces and contact are told as they act on the damped motion: (1 − e^(−damping Δt))/(damping Δt) of the force in a step, the rest by \
         `loads`.",
     ),
     Field::with_default(

@@ -6,6 +6,7 @@ use super::error::{Fault, Outcome, suggestion};
 use super::moved::SIDES;
 use super::shapes::solid;
 use physics::contact::{self, ContactLaw};
+use physics::table::Table;
 use scene::*;
 
 pub(super) fn contacts(given: &Node, materials: &[Material]) -> Outcome<Vec<Contact>> {
@@ -150,7 +151,7 @@ pub(super) fn motion(given: &Node) -> Outcome<Motion> {
     let course = match (given.find("velocity"), given.find("displacement")) {
         (None, None) => Course::rest(),
         (Some(velocity), None) => Course::Velocity(choose::in_time(velocity)),
-        (None, Some(displacement)) => Course::Displacement(choose::in_time(displacement)),
+        (None, Some(displacement)) => Course::Displacement(from_rest(displacement)?),
         (Some(_), Some(displacement)) => {
             return Err(Fault::new(displacement.place, "both `velocity` and `displacement` are given")
                 .help("keep one: each says where the center is"));
@@ -159,6 +160,17 @@ pub(super) fn motion(given: &Node) -> Outcome<Motion> {
     let spin = choose::in_time(given.get("angular-velocity"));
     let center = given.find("center").map_or([0.0; 3], Node::vector);
     Ok(Motion { course, spin, center })
+}
+
+/// A table of displacements, which says nothing of where things are at the start.
+fn from_rest(displacement: &Node) -> Outcome<Table> {
+    let table = choose::in_time(displacement);
+    if table.at(0.0) != [0.0; 3] {
+        let message = "a displacement is from where things are at the start, and is zero there";
+        return Err(Fault::new(displacement.place, message)
+            .help("begin the table with [0, 0, 0, 0], or move the shape at the start"));
+    }
+    Ok(table)
 }
 
 pub(super) fn forces(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Force>> {
@@ -180,9 +192,8 @@ fn force(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> 
     if materials[material].is_rigid() {
         let message =
             format!("material {:?} is rigid: forces act on deformable matter", materials[material].name);
-        return Err(
-            Fault::new(given.get("material").place, message).help("use `load.gravity`, or a deformable body")
-        );
+        return Err(Fault::new(given.get("material").place, message)
+            .help("a free rigid body has a force of its own: `material.NAME.force`"));
     }
     let kind = match ["total", "traction", "pressure"].map(|key| given.find(key)) {
         [Some(total), None, None] => ForceKind::Total(choose::in_time(total)),

@@ -160,6 +160,12 @@ pub struct MaterialSummary {
     /// Lower and upper corner of the box around its particles [m], if there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extent_m: Option<[[f64; 3]; 2]>,
+    /// How far a rigid body has gone [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement_m: Option<[f64; 3]>,
+    /// Angular velocity of a rigid body [rad/s].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angular_velocity_rad_s: Option<[f64; 3]>,
     /// The largest of what its law keeps, such as `plastic_strain`, over its particles.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub largest: BTreeMap<String, f64>,

@@ -265,6 +265,8 @@ impl Ledger {
         let center = vector(4).map(|c| if motion[0] > 0.0 { c / motion[0] } else { 0.0 });
         let state = || shared.get::<RigidState>(labels::RigidMotion::ID, material);
         let tool = scene.materials[material].is_tool().then(state);
+        let rigid = scene.materials[material].is_rigid().then(state);
+        let gone = |state: &RigidState| [0, 1, 2].map(|a| state.center[a] - state.origin[a]);
         let blocks = warehouse.blocks().filter(|(m, _)| *m == material);
         let report = MaterialReport {
             energies: Energies {
@@ -277,6 +279,7 @@ impl Ledger {
             mass: motion[0],
             momentum: vector(1),
             tool: tool.map(|state| state.velocity),
+            rigid: rigid.map(|state| [gone(&state), state.angular]),
             center: tool.map_or(center, |state| state.center),
             extent: extent.as_flattened().iter().all(|x| x.is_finite()).then_some(extent),
             largest: law.history.iter().zip(&largest).map(|(it, line)| (it.name, most(line))).collect(),

@@ -37,6 +37,8 @@ pub struct MaterialReport {
     pub momentum: [f64; 3],
     /// How a tool moves [m/s], which has no mass.
     pub tool: Option<[f64; 3]>,
+    /// How far the center of a rigid body has gone [m], and its angular velocity [rad/s].
+    pub rigid: Option<[[f64; 3]; 2]>,
     /// Center of mass [m]; of a tool, that about which it turns.
     pub center: [f64; 3],
     /// The box around its particles [m]; `None` if there are none.

@@ -11,6 +11,7 @@ use crate::contact_flow::ContactFlow;
 use crate::contact_power::ContactPower;
 use crate::contact_scatter::ContactScatter;
 use crate::drive_bonds::DriveBonds;
+use crate::driven_contact::DrivenContact;
 use crate::hold_bonds::HoldBonds;
 use crate::tool_scatter::ToolScatter;
 use crate::tools::{BondedTools, Tools};
@@ -138,7 +139,11 @@ impl<'a> Builder<'a> {
             surfaces: self.surface_tables(),
             interpolated,
         };
-        self.all("contact", task);
+        let touches = |drive: &scene::Drive| self.touches(drive.material);
+        match self.scene.drives.iter().any(touches) {
+            false => self.all("contact", task),
+            true => self.all("contact", DrivenContact(task)),
+        }
     }
 
     /// The pairs of fields that touch: of two materials in contact, each field of one and each of the other.

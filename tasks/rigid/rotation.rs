@@ -25,10 +25,15 @@ pub fn spin_of(body: &RigidState, l: Vector3<f64>, locked: [bool; 3]) -> [f64; 3
     tensor.try_inverse().map_or([0.0; 3], |inverse| (inverse * l).into())
 }
 
-/// Turns a body that is locked about some axes.
+/// Turns a body that is locked about some axes, with the angular momentum L_f about the others, which stays: the midpoint rule.
 pub fn turn_locked(body: &mut RigidState, l: Vector3<f64>, dt: f64, locked: [bool; 3]) {
+    let before = body.rotation;
     body.angular = spin_of(body, l, locked);
+    turn_by(body, 0.5 * dt);
+    body.angular = spin_of(body, l, locked);
+    body.rotation = before;
     turn_by(body, dt);
+    body.angular = spin_of(body, l, locked);
 }
 
 /// R ← e^(ω Δt) R: turns a body by what its angular velocity says.

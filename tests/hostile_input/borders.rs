@@ -18,11 +18,15 @@ fn what_holds_and_pushes() {
             "[[drive]]\nmaterial = \"soft\"\nvelocity = [0, 0, 0]\ndisplacement = [0, 0, 0]",
             &["both `velocity` and `displacement`"],
         ),
+        (
+            "[[drive]]\nmaterial = \"soft\"\ndisplacement = [[0, 0, 0, 0.001], [1, 0, 0, 0]]",
+            &["zero there", "begin the table"],
+        ),
         ("[[drive]]\nmaterial = \"soft\"\ncomponents = \"zx\"", &["components", "did you mean `x"]),
         ("[[force]]\nmaterial = \"soft\"", &["one of `total`, `traction` and `pressure`"]),
         ("[[force]]\nmaterial = \"soft\"\npressure = \"1 N\"", &["is a stress", "a force"]),
         ("[[force]]\nmaterial = \"soft\"\npressure = [[0, 1, 2]]", &["a row [time, number]"]),
-        ("[[force]]\nmaterial = \"hard\"\ntotal = [1, 0, 0]", &["is rigid"]),
+        ("[[force]]\nmaterial = \"hard\"\ntotal = [1, 0, 0]", &["is rigid", "material.NAME.force"]),
         ("[[force]]\nmaterial = \"soft\"\ntotal = [1, 0, 0]\nside = \"+x\"", &["side", "a total"]),
         (
             "[[force]]\nmaterial = \"soft\"\npressure = 1\nside = \"+x\"\nregion = { sphere = { center = [0.0075, 0.0075, 0.0075], radius = 0.001 } }",

@@ -28,11 +28,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let [nx, ny, nz] = scene.domain.cells;
     println!("cells          {nx} x {ny} x {nz} of {} mm", 1e3 * scene.domain.cell);
     for body in &scene.bodies {
-        let count = scene::sampling::count(&scene, body);
-        println!(
-            "body           {}: {count} particles of {}",
-            body.name, scene.materials[body.material].name
-        );
+        let material = &scene.materials[body.material];
+        let filled = if material.has_particles() {
+            format!("{} particles", scene::sampling::count(&scene, body))
+        } else {
+            "a shape without particles".to_owned()
+        };
+        println!("body           {}: {filled}, of {}", body.name, material.name);
     }
     if args.validate_only {
         return Ok(());

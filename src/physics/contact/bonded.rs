@@ -27,13 +27,13 @@ impl Described for Bonded {
             "normal-strength",
             Dimension::Stress,
             f64::INFINITY,
-            "Tension at which the bond breaks; absent: never.",
+            "Tension at which the bond breaks, of two materials that deform; absent: never.",
         ),
         Parameter::positive_or(
             "shear-strength",
             Dimension::Stress,
             f64::INFINITY,
-            "Shear at which the bond breaks; absent: never.",
+            "Shear at which the bond breaks, of two materials that deform; absent: never.",
         ),
         Parameter::at_least(
             "friction",

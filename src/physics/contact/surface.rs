@@ -15,6 +15,8 @@ const LIMIT: f64 = 1.25;
 pub struct SurfaceTable {
     /// ξ at equidistant s, increasing.
     centers: Vec<f64>,
+    /// From particle to particle [cells].
+    spacing: f64,
 }
 
 impl SurfaceTable {
@@ -28,7 +30,12 @@ impl SurfaceTable {
             highest = c.max(highest + 1e-9 * (i as f64 + 1.0));
             highest
         });
-        Self { centers: centers.collect() }
+        Self { centers: centers.collect(), spacing: 2.0 * r }
+    }
+
+    /// From particle to particle [cells].
+    pub fn spacing(&self) -> f64 {
+        self.spacing
     }
 
     fn distance(entry: usize) -> f64 {

@@ -16,6 +16,9 @@ pub fn columns(scene: &Scene) -> Vec<Column> {
     ];
     for material in &scene.materials {
         material_columns(&material.name, declared(&material.behavior).counts, &mut columns);
+        if material.is_rigid() {
+            rigid_columns(&material.name, &mut columns);
+        }
     }
     for part in ["friction", "impact", "transfer", "half_step", "boundary_work", "deleted", "residual"] {
         columns.push(Column::global(part, "j"));
@@ -64,6 +67,13 @@ fn material_columns(material: &str, counts: &[&str], columns: &mut Vec<Column>) 
     }
 }
 
+/// The columns of a rigid body.
+fn rigid_columns(material: &str, columns: &mut Vec<Column>) {
+    for (what, unit) in [("displacement", "m"), ("angular_velocity", "rad_s")] {
+        columns.extend(["x", "y", "z"].map(|axis| Column::of(material, &format!("{what}_{axis}"), unit)));
+    }
+}
+
 /// What a report says in these columns.
 pub fn cells(report: &Report) -> Vec<Cell<'_>> {
     let limit = report.limited_by.as_str();
@@ -97,6 +107,7 @@ fn material_cells(m: &MaterialReport, cells: &mut Vec<Cell<'_>>) {
     cells.extend(failures::STATES.map(|state| Cell::from(m.count(state))));
     let others = m.counts.iter().filter(|(state, _)| !failures::is_one(state));
     cells.extend(others.map(|&(_, count)| Cell::from(count)));
+    cells.extend(m.rigid.into_iter().flatten().flatten().map(Cell::from));
 }
 
 #[cfg(test)]

@@ -152,6 +152,8 @@ fn materials(simulation: &Simulation, report: &Report) -> BTreeMap<String, Mater
         mean_velocity_m_s: m.velocity(),
         center_of_mass_m: m.center,
         extent_m: m.extent,
+        displacement_m: m.rigid.map(|[gone, _]| gone),
+        angular_velocity_rad_s: m.rigid.map(|[_, turn]| turn),
         largest: largest(m),
         failed_fraction: failures::known(m).then(|| failures::fractions(&[m])),
         more: counts(m),
