@@ -1,5 +1,4 @@
 use crate::bonds::{common_velocity, each_group};
-use crate::drive_nodes::LEAST;
 use crate::labels::{ContactImpulse, ContactSums, NodeMotion, NodeSums, Reactions};
 use crate::node::{Driven, Impulse, Motion, Sums, Surface};
 use crate::reactions::{NUMBERS, Reaction};
@@ -89,13 +88,17 @@ struct Side<'a> {
 impl Side<'_> {
     /// Goes with the drives that hold it; what it receives, they take at the end of its step (see `DriveNodes`).
     fn driven(mut self, driven: Option<&Driven>) -> Self {
-        if let Some(driven) = driven {
-            let (mass, momentum) = (driven.mass(), driven.momentum());
-            for a in (0..3).filter(|&a| mass[a] > LEAST * self.sums.mass()) {
-                (self.velocity[a], self.held[a]) = (momentum[a] / mass[a], true);
+        for a in 0..3 {
+            if let Some(velocity) = driven.and_then(|driven| driven.velocity(a, self.sums.mass())) {
+                (self.velocity[a], self.held[a]) = (velocity, true);
             }
         }
         self
+    }
+
+    /// Whether drives hold it along any axis.
+    fn is_held(&self) -> bool {
+        self.held.contains(&true)
     }
 
     /// Σ V ∇S: points out of the material.
@@ -221,7 +224,7 @@ impl Contact {
     /// surface, and nothing is strained between them. Particles as wide as δ, of which x lies there, bear the part 1 − x/δ of the stress σ and
     /// give x (1 − x/δ) σ to the plane within the driven side; the one beyond has the rest, of the whole area, and decides for both.
     fn bearing(&self, sides: &[Side<'_>; 2], area: f64) -> (f64, Bond) {
-        let (free, held) = match sides.each_ref().map(|side| side.held != [false; 3]) {
+        let (free, held) = match sides.each_ref().map(Side::is_held) {
             [false, true] => (&sides[0], &sides[1]),
             [true, false] => (&sides[1], &sides[0]),
             _ => return (area, Bond::Holds),
@@ -289,7 +292,7 @@ fn join(impulse: &mut [Impulse], fields: usize, n: usize, pair: [usize; 2]) {
 fn normal([a, b]: &[Side<'_>; 2]) -> Option<([f64; 3], f64)> {
     let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
     let area = dot(difference, difference).sqrt();
-    if area > 0.0 && [a, b].iter().any(|side| side.held != [false; 3]) {
+    if area > 0.0 && (a.is_held() || b.is_held()) {
         // What is held pushes without end of mass, though little of it is at the node; to the matter that fills the node, the
         // surface has no direction but that of rounding and of uneven spacing.
         let less = if a.sums.volume() < b.sums.volume() { a.outward() } else { b.outward().map(|n| -n) };
@@ -302,7 +305,7 @@ fn normal([a, b]: &[Side<'_>; 2]) -> Option<([f64; 3], f64)> {
 fn seen(sides: &[Side<'_>; 2], normal: [f64; 3], traction: f64) -> Pair {
     let [a, b] = sides;
     let relative: [f64; 3] = std::array::from_fn(|i| a.velocity[i] - b.velocity[i]);
-    if sides.iter().all(|side| side.held == [false; 3]) {
+    if !sides.iter().any(Side::is_held) {
         let masses = [a.sums.mass(), b.sums.mass()];
         let reduced_mass = masses[0] * masses[1] / (masses[0] + masses[1]);
         return Pair { relative, reduced_mass, normal, traction };

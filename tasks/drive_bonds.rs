@@ -1,5 +1,4 @@
 use crate::bonds::Bonds;
-use crate::drive_nodes::LEAST;
 use crate::labels::{ContactImpulse, DriveGift, DriveSums, NodeMotion, OwnStep, Reactions};
 use crate::node::Motion;
 use engine::graph::task::{At, Body};
@@ -22,7 +21,7 @@ impl Body for DriveBonds {
         self.0.each_group(at, impulse, |n, members, exchange| {
             let holds = |slot: usize, a: usize, motion: &[Motion]| {
                 let line = NODES * slot + n;
-                at.fields[slot].ends && driven[line].mass()[a] > LEAST * motion[line].mass()
+                at.fields[slot].ends && driven[line].velocity(a, motion[line].mass()).is_some()
             };
             let driver = [0, 1, 2].map(|a| members.iter().copied().find(|&slot| holds(slot, a, motion)));
             for &slot in members {

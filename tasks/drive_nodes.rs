@@ -9,9 +9,6 @@ use simd::Simd;
 /// particles of the drives.
 pub struct DriveNodes;
 
-/// Of a node's mass; a grip that holds less of it does not hold the node.
-pub const LEAST: f64 = 1e-9;
-
 engine::task! { Nodes task DriveNodes {
     requires now { step: OwnStep, driven: DriveSums }
     computes { gift: DriveGift }
@@ -25,16 +22,16 @@ impl Body for DriveNodes {
         let fields = io.driven.chunks_exact(NODES).zip(motions).zip(at.fields);
         for ((driven, (motions, gifts)), _) in fields.filter(|(_, field)| field.ends) {
             for (driven, (motion, gift)) in driven.iter().zip(motions.iter_mut().zip(gifts)) {
-                let (mass, momentum) = (driven.mass(), driven.momentum());
+                let mass = driven.mass();
                 if mass == [0.0; 3] {
                     *gift = Gift::default();
                     continue;
                 }
                 let (m, v) = (motion.mass(), motion.velocity());
-                let held = [0, 1, 2].map(|a| mass[a] > LEAST * m);
-                let dv = [0, 1, 2].map(|a| if held[a] { momentum[a] / mass[a] - v[a] } else { 0.0 });
+                let held = [0, 1, 2].map(|a| driven.velocity(a, m));
+                let dv = [0, 1, 2].map(|a| held[a].map_or(0.0, |to| to - v[a]));
                 motion.add(dv);
-                let share = [0, 1, 2].map(|a| if held[a] { m * dv[a] / mass[a] } else { 0.0 });
+                let share = [0, 1, 2].map(|a| held[a].map_or(0.0, |_| m * dv[a] / mass[a]));
                 *gift = Gift::new(share, motion.mean());
             }
         }

@@ -108,6 +108,9 @@ impl Surface {
     }
 }
 
+/// Of a node's mass; a grip that holds less of it does not hold the node.
+const LEAST: f64 = 1e-9;
+
 /// What drives prescribe to a node: the mass that they hold along each axis (3), 0, and the momentum that they give it (3), 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
@@ -125,6 +128,11 @@ impl Driven {
     pub fn momentum(&self) -> [f64; 3] {
         let [_, _, _, _, x, y, z, _] = self.0.0;
         [x, y, z]
+    }
+    /// How drives move a node of mass `m` [kg] along an axis, if they hold it [m/s].
+    #[inline(always)]
+    pub fn velocity(&self, axis: usize, m: f64) -> Option<f64> {
+        (self.mass()[axis] > LEAST * m).then(|| self.momentum()[axis] / self.mass()[axis])
     }
     /// Adds a mass that is to move at `v` along the axes that count.
     #[inline(always)]

@@ -63,7 +63,7 @@ fn a_body_that_begins_stretched_bears_the_stress_of_its_stretch() {
             assert!((tau[0] / f[0] / slope - 1.0).abs() < 1e-9);
         }
         // and the mirrors hold it
-        let force = after.givers.iter().find(|it| it.name == "face.x-min").expect("the face").force[0];
+        let force = common::giver(&after, "face.x-min").force[0];
         assert!((force / (-slope * 16e-6) - 1.0).abs() < 1e-9, "{force}");
     }
 }

@@ -1,7 +1,7 @@
 //! Bonds: two bodies as one, until the traction is too large.
 mod common;
 
-use common::{Overrides, finish, numbers, scene, start, until};
+use common::{Overrides, finish, giver, numbers, scene, start, until};
 use engine::schema::Label;
 use sinew::simulation::{Report, Simulation};
 use std::collections::HashMap;
@@ -202,6 +202,12 @@ fn a_bond_holds_across_the_gap_that_particles_span() {
 /// How far the lattice lies from where planes of nodes are surfaces [m].
 const SHIFTS: [f64; 2] = [0.0, 0.5e-3];
 
+/// Mean force of the bond on the left piece [N].
+fn force(report: &Report) -> [f64; 3] {
+    giver(report, "contact.left.right").force
+}
+
+/// The largest of what is told of rows of five steps, and the last.
 fn peak(simulation: &mut Simulation, of: impl Fn(&Report) -> f64) -> (f64, f64) {
     let (mut most, mut last) = (0.0f64, 0.0);
     loop {
@@ -231,14 +237,11 @@ fn a_bond_parts_at_its_strength() {
         ("load.damping", "3000"),
         ("run.until", "20 ms"),
     ];
-    let force = |report: &Report| {
-        report.givers.iter().find(|it| it.name == "contact.left.right").expect("the contact").force[0] / 4e-6
-    };
     for shift in SHIFTS {
         let [lower, upper] = [-2e-3, 22e-3].map(|x| (x + shift).to_string());
         let shifted: Overrides<'_> = &[("domain.lower.0", &lower), ("domain.upper.0", &upper)];
         let mut simulation = start(scene(BAR, &[pulled, shifted].concat()));
-        let (most, last) = peak(&mut simulation, force);
+        let (most, last) = peak(&mut simulation, |report| force(report)[0] / 4e-6);
         println!("{shift}: it bore {:.2} kPa, and bears {:.3} kPa in the end", most / 1e3, last / 1e3);
         assert!((most / 20e3 - 1.0).abs() < 0.03 && last == 0.0);
         let broken = numbers(&simulation, labels::Bond::ID).iter().filter(|bond| bond[0] == 0.0).count();
@@ -306,8 +309,7 @@ fn a_sheared_bond_parts_at_its_strength_and_rubs() {
     until(&mut simulation, 11e-3);
     simulation.mark_row();
     let report = finish(&mut simulation).expect("runs");
-    let force = report.givers.iter().find(|it| it.name == "contact.left.right").expect("the contact").force;
-    let [pushed, rubbed] = [0, 1].map(|a| force[a] / 48e-6);
+    let [pushed, rubbed] = [0, 1].map(|a| force(&report)[a] / 48e-6);
     println!("pressed with {:.3} kPa it rubs with {:.3} kPa", pushed / 1e3, rubbed / 1e3);
     assert!(pushed < -10e3 && (rubbed / pushed - 0.3).abs() < 0.003);
 }
@@ -332,11 +334,7 @@ fn a_bond_to_driven_matter_parts_at_its_strength() {
             ("run.until", "12 ms"),
         ];
         let mut simulation = start(scene(BAR, held));
-        let force = |report: &Report| {
-            report.givers.iter().find(|it| it.name == "contact.left.right").expect("the contact").force[0]
-                / 4e-6
-        };
-        let (most, last) = peak(&mut simulation, force);
+        let (most, last) = peak(&mut simulation, |report| force(report)[0] / 4e-6);
         println!("{shift}: it bore {:.2} kPa, and bears {:.3} kPa in the end", most / 1e3, last / 1e3);
         assert!((most / 20e3 - 1.0).abs() < 0.03 && last == 0.0);
     }

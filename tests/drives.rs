@@ -1,7 +1,7 @@
 //! Drives: what they hold is held, and what is next to them is strained by the whole of their motion.
 mod common;
 
-use common::{Overrides, finish, norm, numbers, scene, start, until};
+use common::{Overrides, finish, giver, norm, numbers, scene, start, until};
 use engine::schema::Label;
 use sinew::simulation::{Report, Simulation};
 use tasks::labels;
@@ -63,7 +63,7 @@ fn stress(simulation: &Simulation) -> f64 {
 }
 
 fn force(report: &Report, name: &str) -> [f64; 3] {
-    report.givers.iter().find(|it| it.name == name).expect("the drive").force
+    giver(report, name).force
 }
 
 /// Mean forces of two grips along x from now on to the end of the run.
@@ -118,9 +118,7 @@ fn a_wave_leaves_a_grip_with_its_impedance() {
     let before = simulation.report().expect("a report");
     let stress = stress(&simulation);
     let after = finish(&mut simulation).expect("runs");
-    let impulse = |report: &Report| {
-        report.givers.iter().find(|it| it.name == "drive.right").expect("the drive").impulse[0]
-    };
+    let impulse = |report: &Report| giver(report, "drive.right").impulse[0];
     assert_eq!(impulse(&before), impulse(&after), "who has let go gives nothing");
     // the left grip goes on to hold the stress, until the wave is there; damping takes its part
     let time = (1.0 - f64::exp(-2000.0 * 0.15e-3)) / 2000.0;

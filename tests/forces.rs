@@ -1,7 +1,7 @@
 //! Forces, tractions and pressures on parts of bodies, against closed forms.
 mod common;
 
-use common::{Overrides, finish, numbers, run, scene, start, until};
+use common::{Overrides, finish, giver, numbers, run, scene, start, until};
 use engine::schema::Label;
 use std::collections::HashMap;
 use tasks::labels;
@@ -38,7 +38,7 @@ fn a_total_force_is_mass_times_acceleration() {
     ];
     let report = run(scene(BLOCK, pushed));
     let exact = 0.5 * 0.002 * 0.01 + 0.002 * 0.01;
-    let push = report.givers.iter().find(|it| it.name == "force.push").expect("the force");
+    let push = giver(&report, "force.push");
     for found in [report.materials[0].momentum[0], push.impulse[0]] {
         assert!((found / exact - 1.0).abs() < 1e-10, "{found}, not {exact}");
     }
@@ -122,7 +122,7 @@ fn a_pressure_that_follows_turns_with_its_surface() {
         ];
         let mut simulation = start(scene(BLOCK, turning));
         let report = finish(&mut simulation).expect("runs");
-        let given = report.givers.iter().find(|it| it.name == "force.0").expect("the force").impulse;
+        let given = giver(&report, "force.0").impulse;
         let found = [0, 1].map(|a| -given[a] / push);
         println!(
             "follows {follows}: {:.6} {:.6} s, exact {:.6} {:.6} s",
@@ -211,7 +211,6 @@ fn a_dead_traction_is_the_nominal_stress() {
     let stress = all.iter().sum::<f64>() / all.len() as f64;
     println!("nominal stress {:.4} of the traction", stress / 30e3);
     assert!((stress / 30e3 - 1.0).abs() < 0.02);
-    let [pull, wall] = ["force.0", "face.x-min"]
-        .map(|name| report.givers.iter().find(|it| it.name == name).expect("a giver").force[0]);
+    let [pull, wall] = ["force.0", "face.x-min"].map(|name| giver(&report, name).force[0]);
     assert!((wall + pull).abs() < 1e-3 * pull, "{wall} {pull}");
 }

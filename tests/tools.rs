@@ -1,9 +1,8 @@
 //! Tools: shapes without particles, and moving faces, that push matter.
 mod common;
 
-use common::{Overrides, finish, scene, start, until};
+use common::{Overrides, finish, giver, scene, start, until};
 use engine::schema::Label;
-use sinew::simulation::{GiverReport, Report};
 
 /// A soft block on a plate, in gravity.
 const BLOCK: &str = r#"
@@ -39,10 +38,6 @@ gravity = [0, 0, -1000]
 until = "2 ms"
 cfl = 0.4
 "#;
-
-fn giver<'a>(report: &'a Report, name: &str) -> &'a GiverReport {
-    report.givers.iter().find(|it| it.name == name).unwrap_or_else(|| panic!("{name} gives nothing"))
-}
 
 #[test]
 fn a_plate_without_friction_does_not_brake_and_one_with_friction_does_by_coulomb() {

@@ -10,7 +10,7 @@ use engine::exec::traveler::Traveler;
 use engine::graph::build::TaskGraph;
 use engine::schema::{Label, LabelId};
 use physics::law::{MAX_COUNTS, MAX_EVENTS, MAX_HISTORY};
-use scene::{Behavior, RigidMotion, Scene};
+use scene::Scene;
 use simd::Wide;
 use tasks::labels;
 use tasks::reactions::NUMBERS;
@@ -263,9 +263,9 @@ impl Ledger {
         let first = self.first.get(material).copied().unwrap_or_default();
         let vector = |first: usize| [motion[first], motion[first + 1], motion[first + 2]];
         let center = vector(4).map(|c| if motion[0] > 0.0 { c / motion[0] } else { 0.0 });
-        let state = || shared.get::<RigidState>(labels::RigidMotion::ID, material);
-        let tool = scene.materials[material].is_tool().then(state);
-        let rigid = scene.materials[material].is_rigid().then(state);
+        let it = &scene.materials[material];
+        let rigid = it.is_rigid().then(|| shared.get::<RigidState>(labels::RigidMotion::ID, material));
+        let tool = rigid.filter(|_| it.is_tool());
         let gone = |state: &RigidState| [0, 1, 2].map(|a| state.center[a] - state.origin[a]);
         let blocks = warehouse.blocks().filter(|(m, _)| *m == material);
         let report = MaterialReport {
@@ -288,9 +288,9 @@ impl Ledger {
             particles: blocks.map(|(_, b)| b.count as u64).sum(),
             first: law.events.iter().copied().zip(first).collect(),
         };
-        match &scene.materials[material].behavior {
-            Behavior::Rigid(RigidMotion::Free { .. }) => as_one(report, &state()),
-            _ => report,
+        match rigid.filter(|_| it.is_free()) {
+            Some(body) => as_one(report, &body),
+            None => report,
         }
     }
 }

@@ -9,7 +9,7 @@ use grid::{IndexBox, NODES, Origin};
 use scene::Scene;
 use simd::Isa;
 use sinew::input::{read, read_text};
-use sinew::simulation::{Report, RunError, Simulation};
+use sinew::simulation::{GiverReport, Report, RunError, Simulation};
 use std::path::Path;
 use tasks::labels;
 use tasks::rigid::state::RigidState;
@@ -78,6 +78,12 @@ pub fn until(simulation: &mut Simulation, time: f64) {
 pub fn run(scene: Scene) -> Report {
     let mut simulation = start(scene);
     finish(&mut simulation).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// What a report says of a giver.
+#[track_caller]
+pub fn giver<'a>(report: &'a Report, name: &str) -> &'a GiverReport {
+    report.givers.iter().find(|it| it.name == name).unwrap_or_else(|| panic!("{name} gives nothing"))
 }
 
 /// Momentum of all materials [N s].
