@@ -7,13 +7,13 @@ use engine::data::fields::FieldId;
 use engine::graph::task::{At, Body};
 use grid::{Lattice, NODES};
 use physics::contact::surface::SurfaceTable;
-use physics::contact::{AnyContactLaw, ContactLaw, Exchange, Pair, dot};
+use physics::contact::{AnyContactLaw, ContactLaw, Exchange, HeldPair, Pair, Seen, dot};
 use simd::Simd;
 
 /// Contact of pairs of materials at the nodes that they share. Listed twice in the recipe: for the interpolated and
 /// for the integrated velocities.
 pub struct Contact {
-    /// The pairs of fields, in the order of the scene: impulses are exchanged pair by pair.
+    /// The pairs of fields, bonds first, and else in the order of the scene: impulses are exchanged pair by pair.
     pub pairs: Vec<FieldPair>,
     /// Where nodes are.
     pub lattice: Lattice,
@@ -118,70 +118,79 @@ impl Contact {
         if bonds {
             io.impulse.iter_mut().for_each(|impulse| impulse.set_group(0));
         }
-        for pair in &self.pairs {
-            let slot = |field: FieldId| at.fields.iter().position(|f| f.field == field);
-            let [Some(a), Some(b)] = pair.between.map(slot) else { continue };
-            let materials = [at.fields[a].material, at.fields[b].material];
-            let elapsed = [at.fields[a].elapsed, at.fields[b].elapsed];
-            let begin = at.fields[a].begins && at.fields[b].begins;
-            let mut reaction = Reaction::default();
-            for n in 0..NODES {
-                let lines = [NODES * a + n, NODES * b + n];
-                if lines.iter().any(|&line| io.sums[line].mass() <= self.least_mass) {
-                    continue;
-                }
-                let node = self.lattice.position(at.node_of(n));
-                let both = self.interpolated && begin;
-                // two that are one begin with a velocity that counts the matter of both, driven or not
-                let as_one = both && pair.law.bond().is_some();
-                let sides = [0, 1].map(|i| {
-                    let side = Side {
-                        material: materials[i],
-                        sums: &io.sums[lines[i]],
-                        surface: &io.surfaces[lines[i]],
-                        velocity: io.motion[lines[i]].velocity(),
-                        held: [false; 3],
-                        elapsed: elapsed[i],
-                    };
-                    side.driven(io.driven.get(lines[i]).filter(|_| !as_one))
-                });
-                let given = lines[0];
-                let time = if both { 0.0 } else { at.fields[a].elapsed + at.fields[a].tick };
-                let past = Past { impulse: &io.impulse[given], time };
-                let Some((exchange, bond)) = self.exchange(pair, &sides, node, &past) else {
-                    continue;
-                };
-                if bonds && bond.holds() {
-                    join(io.impulse, at.fields.len(), n, [a, b]);
-                }
-                if bond.holds() && time == 0.0 {
-                    // what is one body has one velocity at a node, and nothing is exchanged for that
-                    for (i, sign) in [(0, 1.0), (1, -1.0)] {
-                        let impulse = [0, 1, 2].map(|a| sign * (exchange.normal[a] + exchange.friction[a]));
-                        io.motion[lines[i]].begin_with(impulse.map(|p| p / sides[i].sums.mass()));
-                    }
-                    continue;
-                }
-                match bond {
-                    Bond::Breaks => lines.iter().for_each(|&line| io.impulse[line].break_bond()),
-                    Bond::HoldsAside => lines.iter().for_each(|&line| io.impulse[line].hold_aside()),
-                    Bond::None | Bond::Holds => {}
-                }
-                let masses = sides.each_ref().map(|side| side.sums.mass());
-                let given = std::array::from_fn(|a| exchange.normal[a] + exchange.friction[a]);
-                // how the matter moves meanwhile is known at the end of the step: see `ContactPower`
-                reaction.add(node, given, [0.0; 3]);
-                for (i, sign) in [(0, 1.0), (1, -1.0)] {
-                    let impulse = std::array::from_fn(|a| sign * (exchange.normal[a] + exchange.friction[a]));
-                    io.impulse[lines[i]].add(sign, exchange.normal, exchange.friction);
-                    io.motion[lines[i]].add(impulse.map(|p| p / masses[i]));
-                }
-            }
-            reaction.store(&mut io.reactions[pair.tile]);
-        }
-        if bonds && self.interpolated && at.fields.len() > 2 {
+        // what is one begins as one, and then meets others
+        let rubs = self.pairs.iter().position(|pair| pair.law.bond().is_none()).unwrap_or(self.pairs.len());
+        let (bonded, others) = self.pairs.split_at(rubs);
+        bonded.iter().for_each(|pair| self.exchange_pair(pair, at, io));
+        if rubs > 0 && self.interpolated && at.fields.len() > 2 {
             begin_as_one(at, io);
         }
+        others.iter().for_each(|pair| self.exchange_pair(pair, at, io));
+    }
+
+    /// Exchanges impulses of a pair at all nodes of a block.
+    fn exchange_pair(&self, pair: &FieldPair, at: &At<'_>, io: &mut Meeting<'_>) {
+        let bonds = pair.law.bond().is_some();
+        let slot = |field: FieldId| at.fields.iter().position(|f| f.field == field);
+        let [Some(a), Some(b)] = pair.between.map(slot) else { return };
+        let materials = [at.fields[a].material, at.fields[b].material];
+        let elapsed = [at.fields[a].elapsed, at.fields[b].elapsed];
+        let begin = at.fields[a].begins && at.fields[b].begins;
+        let mut reaction = Reaction::default();
+        for n in 0..NODES {
+            let lines = [NODES * a + n, NODES * b + n];
+            if lines.iter().any(|&line| io.sums[line].mass() <= self.least_mass) {
+                continue;
+            }
+            let node = self.lattice.position(at.node_of(n));
+            let both = self.interpolated && begin;
+            // two that are one begin with a velocity that counts the matter of both, driven or not
+            let as_one = both && pair.law.bond().is_some();
+            let sides = [0, 1].map(|i| {
+                let side = Side {
+                    material: materials[i],
+                    sums: &io.sums[lines[i]],
+                    surface: &io.surfaces[lines[i]],
+                    velocity: io.motion[lines[i]].velocity(),
+                    held: [false; 3],
+                    elapsed: elapsed[i],
+                };
+                side.driven(io.driven.get(lines[i]).filter(|_| !as_one))
+            });
+            let given = lines[0];
+            let time = if both { 0.0 } else { at.fields[a].elapsed + at.fields[a].tick };
+            let past = Past { impulse: &io.impulse[given], time };
+            let Some((exchange, bond)) = self.exchange(pair, &sides, node, &past) else {
+                continue;
+            };
+            if bonds && bond.holds() {
+                join(io.impulse, at.fields.len(), n, [a, b]);
+            }
+            if bond.holds() && time == 0.0 {
+                // what is one body has one velocity at a node, and nothing is exchanged for that
+                let all = exchange.all();
+                for (i, sign) in [(0, 1.0), (1, -1.0)] {
+                    let impulse = all.map(|p| sign * p);
+                    io.motion[lines[i]].begin_with(impulse.map(|p| p / sides[i].sums.mass()));
+                }
+                continue;
+            }
+            match bond {
+                Bond::Breaks => lines.iter().for_each(|&line| io.impulse[line].break_bond()),
+                Bond::HoldsAside => lines.iter().for_each(|&line| io.impulse[line].hold_aside()),
+                Bond::None | Bond::Holds => {}
+            }
+            let masses = sides.each_ref().map(|side| side.sums.mass());
+            let given = exchange.all();
+            // how the matter moves meanwhile is known at the end of the step: see `ContactPower`
+            reaction.add(node, given, [0.0; 3]);
+            for (i, sign) in [(0, 1.0), (1, -1.0)] {
+                let impulse = given.map(|p| sign * p);
+                io.impulse[lines[i]].add(sign, exchange.normal, exchange.friction);
+                io.motion[lines[i]].add(impulse.map(|p| p / masses[i]));
+            }
+        }
+        reaction.store(&mut io.reactions[pair.tile]);
     }
 
     /// What the pair exchanges at a node, and whether its bond breaks; `None`: the surfaces do not touch.
@@ -203,7 +212,7 @@ impl Contact {
         let seen = seen(sides, normal, traction);
         let mut state = Bond::None;
         if let Some(strength) = bond {
-            let exchange = pair.law.exchange(&seen);
+            let exchange = seen.exchange(&pair.law);
             let (area, held) = self.bearing(sides, 0.5 * area);
             let decides = past.time > 0.0 && area > DECISIVE * self.lattice.cell.powi(2);
             let (tension, shear) = past.tractions(&exchange, normal, area);
@@ -216,7 +225,7 @@ impl Contact {
             return (state == Bond::Breaks).then(|| (Exchange::default(), state));
         }
         let rubs = pair.law.bond().is_some();
-        Some((if rubs { pair.law.broken(&seen) } else { pair.law.exchange(&seen) }, state))
+        Some((if rubs { seen.broken(&pair.law) } else { seen.exchange(&pair.law) }, state))
     }
 
     /// The area [m²] whose traction a node bears: that of the surface there. A surface at a distance of d cells from a node has S(d) = 1 − d of its
@@ -301,36 +310,22 @@ fn normal([a, b]: &[Side<'_>; 2]) -> Option<([f64; 3], f64)> {
     (area > 0.0).then(|| (difference.map(|d| d / area), area))
 }
 
+/// Σ 1/m along the normal, of that of the sides, below which both are held along it: what is left of it there is a corner.
+const HELD: f64 = 0.01;
+
 /// What a contact law sees of two sides.
-fn seen(sides: &[Side<'_>; 2], normal: [f64; 3], traction: f64) -> Pair {
+fn seen(sides: &[Side<'_>; 2], normal: [f64; 3], traction: f64) -> Seen {
     let [a, b] = sides;
     let relative: [f64; 3] = std::array::from_fn(|i| a.velocity[i] - b.velocity[i]);
+    let masses = [a.sums.mass(), b.sums.mass()];
     if !sides.iter().any(Side::is_held) {
-        let masses = [a.sums.mass(), b.sums.mass()];
         let reduced_mass = masses[0] * masses[1] / (masses[0] + masses[1]);
-        return Pair { relative, reduced_mass, normal, traction };
+        return Seen::Free(Pair { relative, reduced_mass, normal, traction });
     }
-    // What is held has no end of mass along some axes, and so the reduced mass m along the normal is not the t across. Laws know one of
-    // them: with t, and m/t of the approach, impulses along and across are what they are to be, and so is their ratio.
-    let along = dot(relative, normal);
-    let slip: [f64; 3] = std::array::from_fn(|i| relative[i] - along * normal[i]);
-    let [m, t] = [normal, unit(slip, 0.0)].map(|direction| reduced_along(sides, direction));
-    let (reduced_mass, relative) = match t > 0.0 {
-        true => (t, std::array::from_fn(|i| slip[i] + m / t * along * normal[i])),
-        false => (m, normal.map(|n| along * n)),
-    };
-    Pair { relative, reduced_mass, normal, traction }
-}
-
-/// Reduced mass along a direction d, 1 / Σ d_a² / m_a over axes and sides, where held axes have no end of mass; 0, if both are held along it.
-fn reduced_along(sides: &[Side<'_>; 2], d: [f64; 3]) -> f64 {
-    let (mut all, mut free) = (0.0, 0.0);
-    for side in sides {
-        let one = 1.0 / side.sums.mass();
-        all += one;
-        free += (0..3).filter(|&a| !side.held[a]).map(|a| d[a] * d[a] * one).sum::<f64>();
-    }
-    if free > 1e-6 * all { 1.0 / free } else { 0.0 }
+    let free = |side: &Side<'_>, axis: usize| if side.held[axis] { 0.0 } else { 1.0 / side.sums.mass() };
+    let mobility = [0, 1, 2].map(|axis| sides.iter().map(|side| free(side, axis)).sum());
+    let least = HELD * (1.0 / masses[0] + 1.0 / masses[1]);
+    Seen::Held(HeldPair { relative, mobility, least, normal, traction })
 }
 
 /// Whether the bond of two sides still holds: most of what both have at the node is bonded.

@@ -57,7 +57,7 @@ engine::labels! {
                                     .values(3).lives(Step).where_fields_meet();
     NodeMotion: node::Motion  = node("m/s, kg", "v (3), m, change of v in this step (3), 0").values(3).lives(Step);
     LoadChange: node::Change  = node("m/s", "what loads have changed of v in this step (3), 0 (5)").lives(Step);
-    RigidSite: node::Site     = node("m, kg, Pa", "center of the matter (3), m, normal traction, 0 (3) near free rigid bodies").lives(Step);
+    RigidSite: node::Site     = node("m, kg, Pa", "center of the matter (3), m, normal traction, how drives move it (3) near free rigid bodies").lives(Step);
 
     BlockExtent: [Wide; 6]    = block("cells", "max of +-(base node) over the block, to see who leaves it").largest();
 

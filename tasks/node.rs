@@ -174,7 +174,8 @@ impl Gift {
     }
 }
 
-/// What a node knows of the matter of one field near rigid bodies: where its center is (3), its mass, its normal traction, 0 (3).
+/// What a node knows of the matter of one field near rigid bodies: where its center is (3), its mass, its normal traction, and how drives
+/// move it (3), infinite along axes along which they do not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Site(pub Wide);
@@ -182,7 +183,7 @@ pub struct Site(pub Wide);
 impl Site {
     /// From the sums of a node at whose place particles were some time [s] ago; nothing where none told where it is.
     #[inline(always)]
-    pub fn of(sum: &Sums, surface: &Surface, ago: f64, v: [f64; 3]) -> Self {
+    pub fn of(sum: &Sums, surface: &Surface, ago: f64, v: [f64; 3], held: [Option<f64>; 3]) -> Self {
         if surface.mass() <= 0.0 {
             return Self::default();
         }
@@ -192,7 +193,14 @@ impl Site {
         let outward: [f64; 3] = std::array::from_fn(|a| surface.outward(a));
         let square = dot(outward, outward);
         let traction = if square > 0.0 { -dot(sum.force(), outward) / square } else { 0.0 };
-        Self(Wide([x, y, z, sum.mass(), traction, 0.0, 0.0, 0.0]))
+        let [u, v, w] = held.map(|v| v.unwrap_or(f64::INFINITY));
+        Self(Wide([x, y, z, sum.mass(), traction, u, v, w]))
+    }
+    /// How drives move the matter, if there is some and they hold it [m/s].
+    #[inline(always)]
+    pub fn held(&self) -> Option<[f64; 3]> {
+        let [_, _, _, m, _, u, v, w] = self.0.0;
+        (m > 0.0 && u.is_finite() && v.is_finite() && w.is_finite()).then_some([u, v, w])
     }
     /// Y = Σ S m x / m: the center of the matter [m].
     #[inline(always)]

@@ -112,7 +112,7 @@ impl Tools {
                 continue;
             }
             let (x, v) = (self.lattice.position(at.node_of(n)), nodes.motions[line].velocity());
-            let site = Site::of(sum, surface, field.elapsed, v);
+            let site = Site::of(sum, surface, field.elapsed, v, [None; 3]);
             let where_from = (&self.surfaces[meeting.material], self.lattice.cell);
             let Some(normal) = meeting.touch((&tool.shape, placed), &site, x, where_from) else { continue };
             let moving = placed.state.velocity_at(x);

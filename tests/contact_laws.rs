@@ -4,7 +4,7 @@ mod common;
 use common::{Random, norm};
 use physics::contact::bonded::Bonded;
 use physics::contact::friction::{Criterion, Friction};
-use physics::contact::{AnyContactLaw, ContactLaw, Pair, dot};
+use physics::contact::{AnyContactLaw, ContactLaw, Exchange, HeldPair, Pair, dot};
 use std::array::from_fn;
 
 const CRITERIA: [Criterion; 3] =
@@ -64,6 +64,54 @@ fn the_stiffness_of_a_contact_law_is_its_derivative() {
             }
         }
     }
+}
+
+/// Where drives hold some axes, the normal and the slip are coupled: approach ends, friction stays in its cone and goes against the slip, and
+/// all impulses together take energy.
+#[test]
+fn what_is_held_is_met_without_a_gain_of_energy() {
+    let mut random = Random(5);
+    let (mut sticks, mut slides) = (0, 0);
+    for round in 0..20_000 {
+        let pair = pair(&mut random);
+        let mut mobility = [0, 1, 2].map(|_| 0.1 + random.unit());
+        (0..3).filter(|a| (round >> a) % 2 == 1).for_each(|a| mobility[a] = 0.0);
+        let Pair { relative, normal, .. } = pair;
+        let held = HeldPair { relative, mobility, least: 0.01, normal, traction: -1.0 };
+        let mu = 1.5 * random.unit();
+        let law = Friction { coefficient: mu, criterion: Criterion::Approach };
+        let given = law.exchange_held(&held);
+        let (p, phi) = (-dot(given.normal, normal), norm(given.friction));
+        let after: [f64; 3] = from_fn(|a| relative[a] + mobility[a] * given.all()[a]);
+        let mobile = (0..3).map(|a| mobility[a] * normal[a].powi(2)).sum::<f64>();
+        if dot(relative, normal) <= 0.0 || mobile <= 0.01 {
+            assert_eq!(given, Exchange::default());
+            continue;
+        }
+        let jams = (0..3).map(|a| normal[a] * mobility[a] * -given.friction[a]).sum::<f64>() + p * mobile
+            < (1.0 - 1e-9) * dot(relative, normal);
+        assert!(jams || dot(after, normal).abs() < 1e-12 * (1.0 + p), "{held:?} {given:?}");
+        assert!(p > 0.0 && phi <= mu * p * (1.0 + 1e-12), "{held:?} {given:?}");
+        let mean: [f64; 3] = from_fn(|a| 0.5 * (relative[a] + after[a]));
+        assert!(jams || dot(given.all(), mean) <= 1e-12, "{held:?} gains {}", dot(given.all(), mean));
+        let goes_on = -dot(given.friction, after);
+        assert!(jams || goes_on >= -1e-12 * (1.0 + p * p), "friction turns the slip: {held:?} {given:?}");
+        if phi > 0.0 && phi < 0.999 * mu * p {
+            sticks += 1
+        } else {
+            slides += 1
+        }
+        // what moves alike along all axes is met as ever
+        let free = HeldPair { mobility: [1.0 / pair.reduced_mass; 3], least: 0.0, ..held };
+        let [one, other] = [law.exchange_held(&free), law.exchange(&Pair { traction: -1.0, ..pair })];
+        let difference: [f64; 3] = from_fn(|a| one.all()[a] - other.all()[a]);
+        assert!(norm(difference) <= 1e-12 * norm(other.all()), "{one:?} {other:?}");
+        let bonded = Bonded::FOREVER.exchange_held(&held).all();
+        let rest =
+            (0..3).map(|a| if mobility[a] > 0.0 { relative[a] + mobility[a] * bonded[a] } else { bonded[a] });
+        assert!(rest.into_iter().all(|x| x.abs() < 1e-12), "{held:?} {bonded:?}");
+    }
+    assert!(sticks > 1000 && slides > 1000, "{sticks} {slides}");
 }
 
 #[test]

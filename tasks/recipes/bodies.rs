@@ -10,7 +10,7 @@ use crate::rigid::plan::RigidPlan;
 use crate::rigid::predict::RigidPredict;
 use crate::rigid::push::{BondedPush, RigidPush};
 use crate::rigid::round::{BondedRound, RigidRound};
-use crate::rigid::sites::RigidSites;
+use crate::rigid::sites::{DrivenSites, RigidSites};
 use crate::rigid::solve::RigidSolve;
 use crate::tool::Tool;
 use scene::sampling::{count, particle_volume, sample};
@@ -50,7 +50,11 @@ impl Builder<'_> {
     /// What the search for their motion needs to know.
     pub(super) fn rigid_sites(&mut self) {
         if pushes(self.scene) {
-            self.all("contact", RigidSites { least_mass: self.least_mass });
+            let sites = RigidSites { least_mass: self.least_mass };
+            match self.scene.drives.is_empty() {
+                true => self.all("contact", sites),
+                false => self.all("contact", DrivenSites(sites)),
+            }
         }
     }
 

@@ -157,6 +157,7 @@ impl<'a> Builder<'a> {
                 pairs.push(FieldPair { between, law, gap, tile });
             }
         }
+        pairs.sort_by_key(|pair| pair.law.bond().is_none());
         pairs
     }
 }

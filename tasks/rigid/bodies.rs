@@ -36,6 +36,8 @@ pub struct Push<'a> {
     pub arm: [f64; 3],
     /// How the matter moves [m/s].
     pub velocity: [f64; 3],
+    /// The matter that it moves there [kg].
+    pub mass: f64,
     /// What the law sees.
     pub pair: Pair,
     /// And says.
@@ -50,8 +52,17 @@ impl Push<'_> {
 
     /// On the matter [N s].
     pub fn impulse(&self) -> [f64; 3] {
-        std::array::from_fn(|a| self.exchange.normal[a] + self.exchange.friction[a])
+        self.exchange.all()
     }
+}
+
+/// What drives hold has no end of mass; so many times that of the body is enough that it is stopped to as many digits in each tick, and not so
+/// much that the search for its motion rounds it away.
+const IMMOVABLE: f64 = 1e3;
+
+/// How drives move what bonds make one at a node [m/s], if they hold any of it: along all axes, or scenes are refused.
+pub fn held(sites: &[Site], mut lines: impl Iterator<Item = usize>) -> Option<[f64; 3]> {
+    lines.find_map(|line| sites[line].held())
 }
 
 /// A block of nodes, with what is around its middle [cells].
@@ -92,6 +103,8 @@ impl Bodies {
                     continue;
                 }
                 let (x, mut v) = (self.lattice.position(at.node_of(n)), motions[line].velocity());
+                let held = held(sites, bonded_to(one, at.fields.len(), line).chain([line]));
+                v = held.unwrap_or(v);
                 for &(number, tool, placed, meeting) in &here {
                     let Some(body) = tool.body() else { continue };
                     let Some(normal) = meeting.touch((&tool.shape, placed), site, x, where_from) else {
@@ -115,8 +128,13 @@ impl Bodies {
                     let mut pair = meeting.pair(site, normal, std::array::from_fn(|a| v[a] - moving[a]));
                     let others = bonded_to(one, at.fields.len(), line);
                     pair.reduced_mass += others.map(|other| motions[other].mass()).sum::<f64>();
+                    let mass = pair.reduced_mass;
+                    if held.is_some() {
+                        pair.reduced_mass = IMMOVABLE * states[body].mass;
+                    }
                     let exchange = meeting.law.exchange(&pair);
-                    let given = Push { number, body, meeting, line, x, arm, velocity: v, pair, exchange };
+                    let given =
+                        Push { number, body, meeting, line, x, arm, velocity: v, mass, pair, exchange };
                     let impulse = given.impulse();
                     push(given);
                     (0..3).for_each(|a| v[a] += impulse[a] / pair.reduced_mass);

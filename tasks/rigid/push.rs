@@ -4,7 +4,7 @@ use crate::labels::{
 };
 use crate::node::{Impulse, Motion, Site};
 use crate::reactions::{NUMBERS, Reaction};
-use crate::rigid::bodies::{Bodies, Push};
+use crate::rigid::bodies::{Bodies, Push, held};
 use crate::rigid::state::{RigidState, RigidTrial as Trial};
 use engine::data::exact_sum::ExactSum;
 use engine::graph::task::{At, Body};
@@ -73,7 +73,8 @@ impl Bodies {
         self.each_push(at, (sites, &*motions), (states, trials), one, |push| pushes.push(push));
         // first all move, and then each is accounted with the motion that all make
         for push in &pushes {
-            let dv = push.impulse().map(|p| p / push.pair.reduced_mass);
+            // of what is held, drives take it at the end of its step
+            let dv = push.impulse().map(|p| p / push.mass);
             bonded_to(one, at.fields.len(), push.line).for_each(|other| motions[other].add(dv));
             motions[push.line].add(dv);
         }
@@ -86,7 +87,10 @@ impl Bodies {
                     // the mean of the body's motion over the tick
                     let (before, after) =
                         (states[body].velocity_at(push.x), trials[body].velocity_at(push.arm));
-                    let mean = motions[push.line].mean();
+                    let (motion, lines) = (&motions[push.line], bonded_to(one, at.fields.len(), push.line));
+                    let (start, held) = (motion.start(), held(sites, lines.chain([push.line])));
+                    let mean =
+                        held.map_or(motion.mean(), |v| std::array::from_fn(|a| 0.5 * (start[a] + v[a])));
                     received.add(push, [0, 1, 2].map(|a| mean[a] - 0.5 * (before[a] + after[a])));
                 }
                 received.on_body.iter().zip(&mut to.on_bodies[body]).for_each(|(x, sum)| sum.add(*x));

@@ -1,5 +1,5 @@
 use crate::labels::{NodeMotion, NodeSums, OwnStep, RigidSite, ToolSums};
-use crate::node::Site;
+use crate::node::{Driven, Motion, Site, Sums, Surface};
 use engine::graph::task::{At, Body};
 use grid::NODES;
 use simd::Simd;
@@ -19,14 +19,46 @@ engine::task! { Nodes task RigidSites {
 impl Body for RigidSites {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
-        let known = io.sums.chunks_exact(NODES).zip(io.surfaces.chunks_exact(NODES));
-        let fields =
-            known.zip(io.motion.chunks_exact(NODES)).zip(io.site.chunks_exact_mut(NODES)).zip(at.fields);
-        for ((((sums, surfaces), motions), sites), field) in fields {
-            for (n, site) in sites.iter_mut().enumerate() {
-                let (sum, v) = (&sums[n], motions[n].velocity());
-                *site = match sum.mass() > self.least_mass {
-                    true => Site::of(sum, &surfaces[n], field.elapsed, v),
+        self.tell(at, (&io.sums, &io.surfaces, &io.motion), &[], &mut io.site);
+    }
+}
+
+/// The same where drives hold matter.
+pub struct DrivenSites(pub RigidSites);
+
+mod driven {
+    use super::*;
+    use crate::labels::DriveSums;
+
+    engine::task! { Nodes task DrivenSites {
+        requires new { step: OwnStep, sums: NodeSums, motion: NodeMotion }
+        requires now { surfaces: ToolSums, driven: DriveSums }
+        computes { site: RigidSite }
+    }}
+
+    impl Body for DrivenSites {
+        #[inline(always)]
+        fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
+            self.0.tell(at, (&io.sums, &io.surfaces, &io.motion), &io.driven, &mut io.site);
+        }
+    }
+}
+
+impl RigidSites {
+    /// Tells the sites of a block.
+    fn tell(
+        &self,
+        at: &At<'_>,
+        (sums, surfaces, motions): (&[Sums], &[Surface], &[Motion]),
+        driven: &[Driven],
+        sites: &mut [Site],
+    ) {
+        for (slot, field) in at.fields.iter().enumerate() {
+            for line in NODES * slot..NODES * (slot + 1) {
+                let (sum, v) = (&sums[line], motions[line].velocity());
+                let held = |a: usize| driven.get(line).and_then(|driven| driven.velocity(a, sum.mass()));
+                sites[line] = match sum.mass() > self.least_mass {
+                    true => Site::of(sum, &surfaces[line], field.elapsed, v, [0, 1, 2].map(held)),
                     false => Site::default(),
                 };
             }

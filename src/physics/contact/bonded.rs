@@ -1,5 +1,6 @@
 //! One velocity for both materials, as long as the bond holds.
 use super::friction::{Criterion, Friction};
+use super::held::HeldPair;
 use super::pair::{ContactLaw, Exchange, Pair, Strength, dot};
 use crate::parameter::{Described, Dimension, Parameter, Refusal, Values};
 
@@ -16,6 +17,11 @@ impl Bonded {
     /// A bond that never breaks.
     pub const FOREVER: Self =
         Self { strength: Strength { normal: f64::INFINITY, shear: f64::INFINITY }, friction: 0.0 };
+
+    /// What is left of it where it is broken.
+    fn rubs(&self) -> Friction {
+        Friction { coefficient: self.friction, criterion: Criterion::Approach }
+    }
 }
 
 impl Described for Bonded {
@@ -65,11 +71,19 @@ impl ContactLaw for Bonded {
         pair.exchange(along, std::array::from_fn(|a| pair.relative[a] - along * pair.normal[a]))
     }
     #[inline]
+    fn exchange_held(&self, pair: &HeldPair) -> Exchange {
+        pair.hold()
+    }
+    #[inline]
     fn stiffness(&self, pair: &Pair) -> [[f64; 3]; 3] {
         pair.takes(1.0, 1.0)
     }
     #[inline]
     fn broken(&self, pair: &Pair) -> Exchange {
-        Friction { coefficient: self.friction, criterion: Criterion::Approach }.exchange(pair)
+        self.rubs().exchange(pair)
+    }
+    #[inline]
+    fn broken_held(&self, pair: &HeldPair) -> Exchange {
+        self.rubs().exchange_held(pair)
     }
 }

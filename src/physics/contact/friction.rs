@@ -1,6 +1,7 @@
 //! Coulomb friction with free separation, after S. G. Bardenhagen et al., CMES 2(4), 2001, 509–522
 //! (doi:10.3970/cmes.2001.002.509), made pairwise: each impulse has its opposite, so momentum is conserved for any
 //! number of materials at a node.
+use super::held::HeldPair;
 use super::pair::{ContactLaw, Exchange, Pair, dot};
 use crate::parameter::{Described, Dimension, Parameter, Refusal, Values};
 
@@ -51,8 +52,13 @@ impl Friction {
     /// How fast surfaces approach, if contact acts; those that part are never pulled [m/s].
     #[inline]
     fn approach(&self, pair: &Pair) -> Option<f64> {
-        let approach = dot(pair.relative, pair.normal);
-        let compressed = pair.traction < 0.0;
+        self.acts(dot(pair.relative, pair.normal), pair.traction)
+    }
+
+    /// The same of a velocity [m/s] along the normal, with the normal traction [Pa].
+    #[inline]
+    fn acts(&self, approach: f64, traction: f64) -> Option<f64> {
+        let compressed = traction < 0.0;
         let acts = match self.criterion {
             Criterion::Approach => approach > 0.0,
             Criterion::ApproachOrCompression => approach > 0.0 || compressed,
@@ -81,6 +87,13 @@ impl ContactLaw for Friction {
         let limit = self.coefficient * approach;
         let share = if speed > limit { limit / speed } else { 1.0 };
         pair.exchange(approach, slip.map(|s| share * s))
+    }
+
+    #[inline]
+    fn exchange_held(&self, pair: &HeldPair) -> Exchange {
+        let approach = self.acts(dot(pair.relative, pair.normal), pair.traction);
+        let approach = approach.filter(|approach| *approach > 0.0);
+        approach.map_or(Exchange::default(), |approach| pair.rub(approach, self.coefficient))
     }
 
     fn asks_traction(&self) -> bool {

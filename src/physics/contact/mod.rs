@@ -1,9 +1,11 @@
 //! Contact of two materials at one node: laws, one file each, and their registry.
 pub mod bonded;
 pub mod friction;
+mod held;
 mod pair;
 pub mod surface;
 
+pub use held::{HeldPair, Seen};
 pub use pair::{ContactLaw, Exchange, Pair, Strength, cross, dot};
 
 use super::parameter::Entry;
@@ -33,6 +35,10 @@ macro_rules! registry {
                 match self { $(AnyContactLaw::$variant(law) => law.exchange(pair)),* }
             }
             #[inline]
+            fn exchange_held(&self, pair: &HeldPair) -> Exchange {
+                match self { $(AnyContactLaw::$variant(law) => law.exchange_held(pair)),* }
+            }
+            #[inline]
             fn stiffness(&self, pair: &Pair) -> [[f64; 3]; 3] {
                 match self { $(AnyContactLaw::$variant(law) => law.stiffness(pair)),* }
             }
@@ -50,6 +56,10 @@ macro_rules! registry {
             #[inline]
             fn broken(&self, pair: &Pair) -> Exchange {
                 match self { $(AnyContactLaw::$variant(law) => law.broken(pair)),* }
+            }
+            #[inline]
+            fn broken_held(&self, pair: &HeldPair) -> Exchange {
+                match self { $(AnyContactLaw::$variant(law) => law.broken_held(pair)),* }
             }
         }
         $(impl From<$law> for AnyContactLaw {

@@ -1,4 +1,5 @@
 //! A pair of materials at a node, and what a contact law makes of it.
+use super::held::HeldPair;
 
 /// What a contact law sees of a pair at a node. The first material is a, the second b.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +23,14 @@ pub struct Exchange {
     pub friction: [f64; 3],
 }
 
+impl Exchange {
+    /// The whole impulse on a [N s].
+    #[inline(always)]
+    pub fn all(&self) -> [f64; 3] {
+        std::array::from_fn(|a| self.normal[a] + self.friction[a])
+    }
+}
+
 /// A contact law: a pure function of a pair. Its parameters are its fields.
 ///
 /// A new one is one file with this and [`Described`](crate::parameter::Described), and one line in
@@ -29,6 +38,9 @@ pub struct Exchange {
 pub trait ContactLaw {
     /// The impulses that the pair exchanges where its surfaces touch.
     fn exchange(&self, pair: &Pair) -> Exchange;
+
+    /// The same where drives hold some of the matter.
+    fn exchange_held(&self, pair: &HeldPair) -> Exchange;
 
     /// −∂(impulse on a)/∂(relative velocity) of the same, row by row [kg]: how much more it pushes where the relative velocity is less.
     fn stiffness(&self, pair: &Pair) -> [[f64; 3]; 3];
@@ -51,6 +63,11 @@ pub trait ContactLaw {
     /// The impulses that the pair exchanges where its bond is broken and its surfaces touch.
     fn broken(&self, pair: &Pair) -> Exchange {
         self.exchange(pair)
+    }
+
+    /// The same where drives hold some of the matter.
+    fn broken_held(&self, pair: &HeldPair) -> Exchange {
+        self.exchange_held(pair)
     }
 }
 
