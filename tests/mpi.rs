@@ -126,6 +126,68 @@ fn an_error_is_told_once_and_ends_all_ranks() {
     assert_eq!(words(&output).matches("cannot write to").count(), 1, "{}", words(&output));
 }
 
+/// Two ranks that were started differently: one message, and an end within seconds.
+#[test]
+fn ranks_that_disagree_are_told_so_once() {
+    let folder = ok(tempfile::tempdir());
+    let [out, other] = ["run", "other-build"].map(|name| folder.path().join(name));
+    let sinew = assert_cmd::cargo::cargo_bin!("sinew");
+    let mut build = ok(std::fs::read(sinew));
+    build.push(0);
+    ok(std::fs::write(&other, build));
+    ok(std::fs::set_permissions(&other, ok(std::fs::metadata(sinew)).permissions()));
+    let run = ["run", "problems/two-spheres", "-q", "--steps", "3", "--out", text(&out)];
+    let changed = [&run[..], &["--set", "run.cfl=0.1"]].concat();
+    let wrong = [&run[..], &["--no-such-option"]].concat();
+    let check = ["check", "problems/two-spheres"];
+    let (same, other) = (vec![text(sinew)], vec![text(&other)]);
+    let told = vec!["env", "SINEW_ISA=baseline", text(sinew)];
+    let mut cases = vec![
+        (&same, &changed[..], &run[..], "was started as"),
+        (&same, &check, &run, "was started as"),
+        (&same, &run, &check, "was started as"),
+        (&same, &wrong, &run, "was started as"),
+        (&other, &run, &run, "another build"),
+    ];
+    if simd::Isa::available().len() > 1 {
+        cases.push((&told, &run, &run, "SINEW_ISA=baseline"));
+    }
+    for (program, words, first, fact) in cases {
+        let began = Instant::now();
+        let mut command = launcher(1);
+        command.arg(sinew).args(first).args([":", "-n", "1"]).args(program).args(words);
+        let output = ok(command.output());
+        let said = self::words(&output);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {said}");
+        assert_eq!(said.matches(fact).count(), 1, "{words:?}: {said}");
+        assert!(said.contains("rank 1") && !out.exists(), "{said}");
+        assert!(began.elapsed() < Duration::from_secs(20), "{words:?} hangs");
+    }
+}
+
+/// Rank 0 alone sees the scene and the folder of results.
+#[test]
+#[cfg(target_os = "linux")]
+fn other_ranks_need_not_see_the_files() {
+    let folder = ok(tempfile::tempdir());
+    let [scene, out] = ["scene", "run"].map(|name| folder.path().join(name));
+    ok(std::fs::create_dir(&scene));
+    ok(std::fs::copy("problems/two-spheres/scene.toml", scene.join("scene.toml")));
+    let run = ["run", text(&scene), "-q", "--steps", "5", "--set", "domain.cell=4 mm", "--out", text(&out)];
+    let mut command = launcher(1);
+    // a root of its own, in which the folder is not there
+    let hidden = format!("mount -t tmpfs none {} && exec \"$@\"", text(folder.path()));
+    let sinew = assert_cmd::cargo::cargo_bin!("sinew");
+    let can = Command::new("unshare").args(["-m", "true"]).status().is_ok_and(|status| status.success());
+    if !can {
+        return eprintln!("skipped: this user may not make a mount namespace");
+    }
+    command.arg(sinew).args(run).args([":", "-n", "1", "unshare", "-m", "sh", "-c", &hidden, "sh"]);
+    let output = ok(command.arg(sinew).args(run).output());
+    assert!(output.status.success(), "{}", words(&output));
+    assert_eq!(ok(Summary::read(&out.join("summary.json"))).steps, 5);
+}
+
 /// Stands before MPI and takes back what it grants to threads.
 const FORBIDS_THREADS: &str = "int PMPI_Init_thread(int *, char ***, int, int *);\n\
     int MPI_Init_thread(int *n, char ***words, int wanted, int *granted) {\n\

@@ -43,7 +43,7 @@ fn scene() -> Scene {
         surfaces: SURFACES,
         center: [25.0 * MM, 25.0 * MM],
     };
-    let checkpoint = Checkpoint { steps: None, time: None, wall: 0.0, kept: 1 };
+    let checkpoint = Checkpoint { steps: None, time: None, wall: 0.0, at_end: true, kept: 1 };
     Scene {
         name: "slab".into(),
         title: "A fragment through a slab of heart muscle, 50 m/s".into(),

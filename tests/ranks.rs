@@ -47,6 +47,26 @@ fn on_ranks(
     })
 }
 
+/// Whoever waits for the end of a step of many ticks may end it in its middle, on any rank: all stop with the same tick. At its end there is nothing to
+/// stop: steps of one tick go on.
+#[test]
+fn a_rank_that_cannot_wait_stops_all_of_them_within_a_step() {
+    for (rates, stops) in [("per-material", true), ("common", false)] {
+        let mut scene = problem("slab-quick", &[("run.rates", rates), ("run.steps", "3")]);
+        (scene.run.patches, scene.run.threads) = (Some([2, 1, 2]), Some(1));
+        let results = on_ranks(&scene, 3, |simulation| {
+            let impatient = simulation.network().rank() == 2;
+            simulation.set_impatience(Box::new(move || impatient));
+            while simulation.step()? {}
+            Ok(())
+        });
+        for result in results {
+            assert_eq!(matches!(result, Err(RunError::Stopped { step: 0 })), stops, "{rates}");
+            assert_eq!(result.is_ok(), !stops, "{rates}");
+        }
+    }
+}
+
 /// Whether all ranks say what one rank says alone.
 fn check(results: &[Result<(u64, Report), RunError>], wanted: &(u64, Report)) -> Result<(), String> {
     for result in results {

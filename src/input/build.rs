@@ -1,7 +1,7 @@
 //! From a completed document to a [`Scene`]: names become indices, tables become types.
 use super::choose;
 use super::document::{Node, dotted};
-use super::error::{Fault, Outcome, suggestion};
+use super::error::{Fault, Outcome, all, both, suggestion};
 use super::fields::FACES;
 use super::meetings::{contacts, drives, forces, motion};
 use super::moved::RIGID;
@@ -29,33 +29,37 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
         return Err(Fault::new(entry.place, format!("{:?} cannot name a material", entry.key))
             .help("use letters, digits, `-` and `_`: the name is used in files and dotted keys"));
     }
-    let materials = named.iter().map(|e| material(&e.key, &e.node)).collect::<Outcome<Vec<_>>>()?;
+    let materials = all(named.iter().map(|e| material(&e.key, &e.node)));
+    let (materials, domain) = both(materials, domain(root.get("domain")))?;
     let load = root.get("load");
-    let domain = domain(root.get("domain"))?;
+    let bodies = all(root.get("body").items().iter().map(|node| body(node, &materials)));
+    let contacts = contacts(root.get("contact"), &materials);
+    let forces = forces(root.get("force"), &materials, root.get("body"));
+    let drives = drives(root.get("drive"), &materials, root.get("body"));
+    let faces = face_conditions(root.get("boundary"));
+    let output = output(root.get("output"), &materials, domain.cell);
+    let (((bodies, contacts), (forces, drives)), (faces, output)) =
+        both(both(both(bodies, contacts), both(forces, drives)), both(faces, output))?;
     Ok(Scene {
         name: String::new(),
         title: root.get("title").word().to_owned(),
         domain,
-        bodies: collect(root.get("body"), |node| body(node, &materials))?,
-        contacts: contacts(root.get("contact"), &materials)?,
-        faces: face_conditions(root.get("boundary"))?,
-        forces: forces(root.get("force"), &materials, root.get("body"))?,
-        drives: drives(root.get("drive"), &materials, root.get("body"))?,
+        bodies,
+        contacts,
+        faces,
+        forces,
+        drives,
         loads: Loads {
             gravity: choose::in_time(load.get("gravity")),
             damping: load.get("damping").number(),
             local_damping: load.get("local-damping").number(),
         },
         run: run(root.get("run")),
-        output: output(root.get("output"), &materials, domain.cell)?,
+        output,
         lines: Default::default(),
         resolved: String::new(),
         materials,
     })
-}
-
-fn collect<T>(list: &Node, each: impl FnMut(&Node) -> Outcome<T>) -> Outcome<Vec<T>> {
-    list.items().iter().map(each).collect()
 }
 
 fn domain(given: &Node) -> Outcome<Domain> {
@@ -219,8 +223,9 @@ fn fibers(given: &Node) -> Outcome<FiberField> {
 /// Of the faces in the order of `Scene::faces`.
 fn face_conditions(given: &Node) -> Outcome<[AnyFaceCondition; 6]> {
     let condition = |face| choose::either(faces::CONDITIONS, given.get(face), &dotted("boundary", face));
-    let [a, b, c, d, e, f] = FACES.map(condition);
-    Ok([a?, b?, c?, d?, e?, f?])
+    let found = all(FACES.map(condition))?;
+    let whole = <[_; 6]>::try_from(found);
+    Ok(whole.unwrap_or_else(|_| unreachable!("there are as many conditions as faces")))
 }
 
 fn run(given: &Node) -> Run {
@@ -269,6 +274,7 @@ fn checkpoint(given: &Node) -> Checkpoint {
         steps: given.find("steps").map(Node::count),
         time: given.find("time").map(Node::number),
         wall: given.get("wall").number(),
+        at_end: given.get("final").flag(),
         kept: given.get("kept").count(),
     }
 }

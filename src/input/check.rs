@@ -1,7 +1,7 @@
 //! Completes a document by its description: every value checked and turned into SI, every default filled in, nothing
 //! left that is not described. What comes out is read without further questions about its form.
 use super::document::{Data, Entry, Node, dotted};
-use super::error::{Fault, Outcome, listing, suggestion};
+use super::error::{Fault, Outcome, all, both, listing, suggestion};
 use super::form::{Absent, Case, Counts, Field, Form, Range, most_threads};
 use super::source::Place;
 use super::units;
@@ -28,7 +28,7 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
         }
         (Form::Choice(words), Data::Text(text)) => Data::Text(choice(text, words, node.place, path)?),
         (Form::Flag, Data::Flag(flag)) => Data::Flag(*flag),
-        (Form::Text | Form::Material, Data::Text(text)) => Data::Text(text.clone()),
+        (Form::Text | Form::Material, Data::Text(text)) => Data::Text(plain(text, node.place, path)?),
         (Form::Pair, Data::List(items)) if items.len() == 2 => list(items, &Form::Material, path)?,
         (Form::Vector(dimension, length), Data::List(items)) if items.len() == *length => {
             list(items, &super::form::any(*dimension), path)?
@@ -44,17 +44,10 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
             table(entries, &fields, node.place, path)?
         }
         (Form::List(form), Data::List(items)) => list(items, form, path)?,
-        (Form::Named(form), Data::Table(entries)) => Data::Table(
-            entries
-                .iter()
-                .map(|entry| {
-                    Ok(Entry {
-                        node: complete(&entry.node, form, &dotted(path, &entry.key))?,
-                        ..entry.clone()
-                    })
-                })
-                .collect::<Outcome<_>>()?,
-        ),
+        (Form::Named(form), Data::Table(entries)) => Data::Table(all(entries.iter().map(|entry| {
+            let node = complete(&entry.node, form, &dotted(path, &entry.key))?;
+            Ok(Entry { node, ..entry.clone() })
+        }))?),
         (Form::One(cases), Data::Table(entries)) => one(entries, cases, node.place, path)?,
         (Form::Either(options), Data::Text(text)) => {
             Data::Text(choice(text, &options().words(), node.place, path)?)
@@ -111,6 +104,15 @@ fn wrong_type(node: &Node, form: &Form, path: &str) -> Fault {
             dimension.si()
         )),
         _ => fault,
+    }
+}
+
+/// A text that does to a terminal what it looks like.
+fn plain(text: &str, place: Place, path: &str) -> Outcome<String> {
+    match text.chars().find(|c| c.is_control()) {
+        None => Ok(text.to_owned()),
+        Some(c) => Err(Fault::new(place, format!("`{path}` holds the control character {c:?}"))
+            .help("write it in one line of ordinary letters")),
     }
 }
 
@@ -176,7 +178,7 @@ fn choice(text: &str, words: &[&str], place: Place, path: &str) -> Outcome<Strin
 
 fn list(items: &[Node], form: &Form, path: &str) -> Outcome<Data> {
     let item = |(i, item): (usize, &Node)| complete(item, form, &dotted(path, &i.to_string()));
-    Ok(Data::List(items.iter().enumerate().map(item).collect::<Outcome<_>>()?))
+    Ok(Data::List(all(items.iter().enumerate().map(item))?))
 }
 
 /// A vector of so many numbers, or rows with ascending times.
@@ -218,33 +220,32 @@ fn in_time(
     Ok(Data::List(rows))
 }
 
-/// A table with these fields: unknown keys first, because a misspelt key is also a missing one.
+/// A table with these fields. Where there are unknown keys, none is said to be missing: it may be misspelt.
 fn table(entries: &[Entry], fields: &[Field], place: Place, path: &str) -> Outcome<Data> {
-    for entry in entries {
-        if !fields.iter().any(|field| field.key == entry.key) {
-            let fault = Fault::new(entry.place, format!("unknown key `{}`", dotted(path, &entry.key)));
-            return Err(fault.help(suggestion(&entry.key, fields.iter().map(|field| field.key))));
-        }
-    }
-    let mut complete_entries = Vec::new();
-    for field in fields {
-        let path_of = dotted(path, field.key);
+    let is_known = |entry: &&Entry| fields.iter().any(|field| field.key == entry.key);
+    let unknown = all(entries.iter().filter(|entry| !is_known(entry)).map(|entry| {
+        let fault = Fault::new(entry.place, format!("unknown key `{}`", dotted(path, &entry.key)));
+        Err::<(), _>(fault.help(suggestion(&entry.key, fields.iter().map(|field| field.key))))
+    }));
+    let misspelt = unknown.is_err();
+    let one = |field: &Field| {
         let given = entries.iter().find(|entry| entry.key == field.key);
         let default = || {
             Some(Entry { key: field.key.into(), place, node: default(&field.absent, &field.form, place)? })
         };
         match given.cloned().or_else(default) {
             Some(entry) => {
-                let node = complete(&entry.node, &field.form, &path_of)?;
-                complete_entries.push(Entry { node, ..entry });
+                let node = complete(&entry.node, &field.form, &dotted(path, field.key))?;
+                Ok(Some(Entry { node, ..entry }))
             }
-            None if matches!(field.absent, Absent::Refused) => {
-                return Err(missing(field.key, path, place).help(format!("{}: {}", field.key, field.meaning)));
+            None if matches!(field.absent, Absent::Refused) && !misspelt => {
+                Err(missing(field.key, path, place).help(format!("{}: {}", field.key, field.meaning)))
             }
-            None => {}
+            None => Ok(None),
         }
-    }
-    Ok(Data::Table(complete_entries))
+    };
+    let (_, found) = both(unknown, all(fields.iter().map(one)))?;
+    Ok(Data::Table(found.into_iter().flatten().collect()))
 }
 
 /// A table with exactly one of the keys.

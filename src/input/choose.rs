@@ -138,7 +138,7 @@ mod tests {
 
     fn read(text: &str) -> Result<String, String> {
         let form = Form::Either(|| Options::of(ENTRIES));
-        let source = Source { name: "test".into(), text: format!("x = {text}") };
+        let source = Source::new("test", format!("x = {text}"));
         let read = || {
             let root = parse(&source)?;
             either(ENTRIES, &complete(root.get("x"), &form, "x")?, "x")

@@ -3,11 +3,19 @@ use super::source::{Place, Source};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use std::fmt::{self, Display};
 
-/// A scene that cannot be run. As a [`miette::Diagnostic`] it shows the line and names a remedy.
+/// Faults that are told at once; more are counted.
+const MOST: usize = 20;
+/// Letters of a message, of a help and of a line of the scene that are shown.
+const LONGEST: usize = 1000;
+
+/// A scene that cannot be run: all that is wrong with it, in the order of its lines. As a [`miette::Diagnostic`] it shows the
+/// lines and names remedies.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.details.message)]
 pub struct SceneError {
     details: Box<Details>,
+    /// What else is wrong.
+    more: Vec<SceneError>,
 }
 
 #[derive(Debug)]
@@ -23,12 +31,17 @@ impl SceneError {
     /// An error that has no place in a scene, such as a file that is not there.
     pub(super) fn elsewhere(message: String, help: impl Into<Option<String>>) -> Self {
         let details = Details { message, help: help.into(), source: None, label: None, line: None };
-        Self { details: Box::new(details) }
+        Self { details: Box::new(details), more: Vec::new() }
     }
 
     /// The 1-based line of the scene file that is at fault; `None` if the fault is not in the file.
     pub fn line(&self) -> Option<usize> {
         self.details.line
+    }
+
+    /// What else is wrong with the scene.
+    pub fn more(&self) -> &[SceneError] {
+        &self.more
     }
 }
 
@@ -45,28 +58,55 @@ impl Diagnostic for SceneError {
             .clone()
             .map(|label| Box::new(std::iter::once(label)) as Box<dyn Iterator<Item = _>>)
     }
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        let more = self.more.iter().map(|error| error as &dyn Diagnostic);
+        (!self.more.is_empty()).then(|| Box::new(more) as Box<dyn Iterator<Item = _>>)
+    }
 }
 
-/// A fault at a place, before the sources are at hand that make it a [`SceneError`].
+/// A fault at a place, before the sources are at hand that make it a [`SceneError`]; with others, where there are some.
 #[derive(Debug)]
 pub(super) struct Fault {
     message: String,
     help: Option<String>,
     label: &'static str,
     place: Place,
+    more: Vec<Fault>,
 }
 
 /// What reading a part of a scene gives.
 pub(super) type Outcome<T> = Result<T, Fault>;
 
+/// All of some parts, or all that is wrong with them.
+pub(super) fn all<T>(parts: impl IntoIterator<Item = Outcome<T>>) -> Outcome<Vec<T>> {
+    let (mut found, mut fault) = (Vec::new(), None);
+    for part in parts {
+        match part {
+            Ok(part) => found.push(part),
+            Err(one) => fault = Some(one.after(fault)),
+        }
+    }
+    fault.map_or(Ok(found), Err)
+}
+
+/// Both parts, or all that is wrong with them.
+pub(super) fn both<A, B>(a: Outcome<A>, b: Outcome<B>) -> Outcome<(A, B)> {
+    match (a, b) {
+        (Ok(a), Ok(b)) => Ok((a, b)),
+        (Err(a), Err(b)) => Err(b.after(Some(a))),
+        (Err(fault), Ok(_)) | (Ok(_), Err(fault)) => Err(fault),
+    }
+}
+
 impl Fault {
     pub fn new(place: Place, message: impl Into<String>) -> Self {
-        Self { message: message.into(), help: None, label: "here", place }
+        let message = clipped(message.into());
+        Self { message, help: None, label: "here", place, more: Vec::new() }
     }
 
     /// Names the remedy.
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.help = Some(clipped(help.into()));
         self
     }
 
@@ -76,18 +116,63 @@ impl Fault {
         self
     }
 
-    /// Shows the fault in its source.
+    /// As one more fault beside others.
+    fn after(self, others: Option<Self>) -> Self {
+        let Some(mut first) = others else { return self };
+        first.more.push(self);
+        first
+    }
+
+    /// Shows the faults in their sources.
     pub fn in_sources(self, sources: &[Source]) -> SceneError {
-        let Self { message, help, label, place } = self;
+        let mut faults = Vec::new();
+        self.flatten(&mut faults);
+        faults.sort_by_key(|fault| (fault.place.source, fault.place.start));
+        let left_out = faults.len().saturating_sub(MOST);
+        faults.truncate(MOST);
+        let mut errors = faults.into_iter().map(|fault| fault.shown(sources)).collect::<Vec<_>>().into_iter();
+        let Some(mut error) = errors.next() else { return SceneError::elsewhere(String::new(), None) };
+        error.more = errors.collect();
+        if left_out > 0 {
+            error.more.push(SceneError::elsewhere(format!("and {left_out} more"), None));
+        }
+        error
+    }
+
+    fn flatten(mut self, into: &mut Vec<Fault>) {
+        let more = std::mem::take(&mut self.more);
+        into.push(self);
+        more.into_iter().for_each(|fault| fault.flatten(into));
+    }
+
+    fn shown(self, sources: &[Source]) -> SceneError {
+        let Self { message, help, label, place, .. } = self;
         let Some(source) = sources.get(place.source) else { return SceneError::elsewhere(message, help) };
+        let line = (place.source == 0).then(|| source.line(place.start));
         let text = source.text.get(place.start..place.end).unwrap_or_default();
         let length = text.lines().next().unwrap_or_default().len(); // one line is enough to show
+        if source.longest_near(place.start) > LONGEST {
+            // a picture of it would fill the screen
+            let at = line.map_or_else(|| source.name.clone(), |line| format!("{}:{line}", source.name));
+            let mut error = SceneError::elsewhere(format!("{at}: {message}"), help);
+            error.details.line = line;
+            return error;
+        }
         let label = LabeledSpan::new(Some(label.into()), place.start, length);
-        let line = (place.source == 0).then(|| source.line(place.start));
         let source = NamedSource::new(&source.name, source.text.clone()).with_language("TOML");
         let details = Details { message, help, source: Some(source), label: Some(label), line };
-        SceneError { details: Box::new(details) }
+        SceneError { details: Box::new(details), more: Vec::new() }
     }
+}
+
+/// A text that is too long to read without its middle.
+fn clipped(text: String) -> String {
+    if text.len() <= LONGEST {
+        return text;
+    }
+    let (begin, end) =
+        (text.floor_char_boundary(LONGEST / 2), text.ceil_char_boundary(text.len() - LONGEST / 4));
+    format!("{} … {}", &text[..begin], &text[end..])
 }
 
 /// "did you mean ...?", or all the words that there are.

@@ -304,13 +304,19 @@ static OUTPUT: &[Field] = &[
 ];
 
 static CHECKPOINT: &[Field] = &[
-    Field::optional("steps", count_from(1), "Every so many steps, and at the end."),
-    Field::optional("time", positive(Time), "Every so much simulated time, and at the end."),
+    Field::optional("steps", count_from(1), "Every so many steps."),
+    Field::optional("time", positive(Time), "Every so much simulated time."),
     Field::with_default(
         "wall",
         not_negative(Time),
         Absent::Number(600.0),
         "Every so much time on the clock of the machine; 0: never.",
+    ),
+    Field::with_default(
+        "final",
+        Form::Flag,
+        Absent::Flag(true),
+        "At the end of the run, too, so that `--restart` with a later `--until` goes on from there.",
     ),
     Field::with_default(
         "kept",

@@ -2,7 +2,7 @@
 use super::build::material_index;
 use super::choose;
 use super::document::{Node, dotted};
-use super::error::{Fault, Outcome, suggestion};
+use super::error::{Fault, Outcome, all, suggestion};
 use super::moved::SIDES;
 use super::shapes::solid;
 use physics::contact::{self, ContactLaw};
@@ -10,9 +10,10 @@ use physics::table::Table;
 use scene::*;
 
 pub(super) fn contacts(given: &Node, materials: &[Material]) -> Outcome<Vec<Contact>> {
+    let each = |(i, node): (usize, &Node)| contact(node, materials, &dotted("contact", &i.to_string()));
+    let found = all(given.items().iter().enumerate().map(each))?;
     let mut contacts: Vec<Contact> = Vec::new();
-    for (i, node) in given.items().iter().enumerate() {
-        let contact = contact(node, materials, &dotted("contact", &i.to_string()))?;
+    for (contact, node) in found.into_iter().zip(given.items()) {
         if contacts.iter().any(|other| other.between == contact.between) {
             let [a, b] = contact.between.map(|index| &materials[index].name);
             let message = format!("the contact between {a:?} and {b:?} is described twice");
@@ -88,9 +89,10 @@ fn contact(given: &Node, materials: &[Material], path: &str) -> Outcome<Contact>
 }
 
 pub(super) fn drives(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Drive>> {
+    let each = |(number, node): (usize, &Node)| drive(node, number, materials, bodies);
+    let found = all(given.items().iter().enumerate().map(each))?;
     let mut drives: Vec<Drive> = Vec::new();
-    for (number, node) in given.items().iter().enumerate() {
-        let drive = drive(node, number, materials, bodies)?;
+    for (drive, node) in found.into_iter().zip(given.items()) {
         if drives.iter().any(|other| other.name == drive.name) {
             let place = node.find("name").unwrap_or(node).place;
             return Err(Fault::new(place, format!("there are two drives named {:?}", drive.name))
@@ -174,9 +176,10 @@ fn from_rest(displacement: &Node) -> Outcome<Table> {
 }
 
 pub(super) fn forces(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Force>> {
+    let each = |(number, node): (usize, &Node)| force(node, number, materials, bodies);
+    let found = all(given.items().iter().enumerate().map(each))?;
     let mut forces: Vec<Force> = Vec::new();
-    for (number, node) in given.items().iter().enumerate() {
-        let force = force(node, number, materials, bodies)?;
+    for (force, node) in found.into_iter().zip(given.items()) {
         if forces.iter().any(|other| other.name == force.name) {
             let place = node.find("name").unwrap_or(node).place;
             return Err(Fault::new(place, format!("there are two forces named {:?}", force.name))

@@ -1,6 +1,6 @@
 //! Meshes in files of their own.
 use super::document::{Data, Entry, Node};
-use super::error::{Fault, Outcome};
+use super::error::{Fault, Outcome, all};
 use scene::geometry::mesh::Mesh;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -9,11 +9,12 @@ use twox_hash::XxHash3_128;
 /// Gives all files of meshes their whole path, as seen from `folder`, and a digest; refuses those that have another one.
 pub(super) fn locate(node: &mut Node, folder: Option<&Path>) -> Outcome<()> {
     match &mut node.data {
-        Data::List(items) => items.iter_mut().try_for_each(|item| locate(item, folder)),
-        Data::Table(entries) => entries.iter_mut().try_for_each(|entry| {
+        Data::List(items) => all(items.iter_mut().map(|item| locate(item, folder))).map(drop),
+        Data::Table(entries) => all(entries.iter_mut().map(|entry| {
             let is_mesh = entry.key == "mesh" && entry.node.find("unit").is_some();
             if is_mesh { fix(&mut entry.node, folder) } else { locate(&mut entry.node, folder) }
-        }),
+        }))
+        .map(drop),
         _ => Ok(()),
     }
 }

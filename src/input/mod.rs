@@ -20,5 +20,5 @@ mod validate;
 
 pub use documentation::documentation;
 pub use error::SceneError;
-pub use read::{read, read_text};
+pub use read::{Written, read, read_text};
 pub use validate::{BYTES_PER_PARTICLE, available_memory};

@@ -1,12 +1,14 @@
 //! Reads scene files.
 use super::document::{self, Data, Entry, Node, parse};
-use super::error::{Outcome, SceneError};
+use super::error::{Outcome, SceneError, all};
 use super::fields::SCENE;
 use super::form::Form;
 use super::source::Source;
 use super::{build, check, meshes, validate};
 use scene::Scene;
-use std::path::Path;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+use std::string::FromUtf8Error;
 
 /// Name of the file in a scene's folder.
 const FILE: &str = "scene.toml";
@@ -19,15 +21,62 @@ const FILE: &str = "scene.toml";
 /// Whatever keeps the scene from being run: a file that cannot be read, a value that is unknown, missing, of another type
 /// or out of range, and bodies that lie outside of the domain, in each other, or have more particles than memory.
 pub fn read(path: &Path, overrides: &[(String, String)]) -> Result<Scene, SceneError> {
-    let file = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-    let text = std::fs::read_to_string(&file).map_err(|error| {
+    Written::read(path)?.scene(overrides)
+}
+
+/// A scene as it is written.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    /// The file.
+    pub file: PathBuf,
+    /// What it holds.
+    pub text: String,
+}
+
+impl Written {
+    /// The scene of a folder with a `scene.toml`, or of a TOML file.
+    ///
+    /// # Errors
+    /// If it cannot be read, or is no text.
+    pub fn read(path: &Path) -> Result<Self, SceneError> {
+        let file = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
         let help = format!("a scene is a folder with a `{FILE}`, or a TOML file");
-        SceneError::elsewhere(format!("cannot read {}: {error}", file.display()), help)
-    })?;
-    let from = From { file: &file.display().to_string(), folder: file.parent() };
-    let mut scene = read_from(from, &text, overrides, validate::available_memory())?;
-    scene.name = name(&file);
-    Ok(scene)
+        let wrong = |why: &dyn Display| {
+            SceneError::elsewhere(format!("cannot read {}: {why}", file.display()), help.clone())
+        };
+        if std::fs::metadata(&file).map_err(|error| wrong(&error))?.is_dir() {
+            return Err(wrong(&"it is a folder"));
+        }
+        let bytes = std::fs::read(&file).map_err(|error| wrong(&error))?;
+        let text = String::from_utf8(bytes).map_err(|error| no_text(&file, &error))?;
+        Ok(Self { file, text })
+    }
+
+    /// The scene, with overrides as in [`read`].
+    ///
+    /// # Errors
+    /// As [`read`].
+    pub fn scene(&self, overrides: &[(String, String)]) -> Result<Scene, SceneError> {
+        let from = From { file: &self.file.display().to_string(), folder: self.file.parent() };
+        let mut scene = read_from(from, &self.text, overrides, validate::available_memory())?;
+        scene.name = name(&self.file);
+        Ok(scene)
+    }
+}
+
+/// A file in another encoding.
+fn no_text(file: &Path, error: &FromUtf8Error) -> SceneError {
+    let (bytes, at) = (error.as_bytes(), error.utf8_error().valid_up_to());
+    let begin = bytes[..at].iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    let line = 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count();
+    let byte = bytes.get(at).copied().unwrap_or_default();
+    let message = format!(
+        "{}:{line}: byte {} of the line is 0x{byte:02x}, which is no UTF-8 text",
+        file.display(),
+        at - begin + 1
+    );
+    let help = "save the file as UTF-8; for a file in Latin-1: iconv -f latin1 -t utf8";
+    SceneError::elsewhere(message, help.to_owned())
 }
 
 /// The name of the folder that holds a `scene.toml`; the stem of another file.
@@ -64,15 +113,14 @@ fn read_from(
     overrides: &[(String, String)],
     memory: Option<usize>,
 ) -> Result<Scene, SceneError> {
-    let mut sources = vec![Source { name: file.to_owned(), text: text.to_owned() }];
-    for (key, value) in overrides {
-        sources.push(Source { name: "--set".into(), text: format!("{key}={value}") });
-    }
+    let mut sources = vec![Source::new(file, text)];
+    sources.extend(overrides.iter().map(|(key, value)| Source::new("--set", format!("{key}={value}"))));
     let scene = || -> Outcome<Scene> {
         let mut root = parse(&sources[0])?;
-        for (index, (key, value)) in overrides.iter().enumerate() {
-            document::set(&mut root, key.trim(), value.trim(), index + 1)?;
-        }
+        let set = |(index, (key, value)): (usize, &(String, String))| {
+            document::set(&mut root, key.trim(), value.trim(), index + 1)
+        };
+        all(overrides.iter().enumerate().map(set))?;
         let mut root = check::complete(&root, &Form::Table(SCENE), "")?;
         meshes::locate(&mut root, folder)?;
         let mut scene = build::scene(&root)?;

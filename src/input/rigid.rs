@@ -1,6 +1,7 @@
 //! Checks of rigid bodies.
 use super::document::Node;
 use super::error::{Fault, Outcome};
+use physics::contact::ContactLaw;
 use physics::faces::{FaceCondition, Image};
 use scene::sampling::{inside, reaches};
 use scene::{Behavior, Body, Material, RigidMotion, Scene};
@@ -26,6 +27,42 @@ pub(super) fn tools_act(scene: &Scene, root: &Node) -> Outcome<()> {
             let message = format!("the tool {:?} meets nothing", material.name);
             return Err(Fault::new(root.get("material").entries()[m].place, message)
                 .help("add a [[contact]] between it and a material that deforms, or remove it"));
+        }
+    }
+    Ok(())
+}
+
+/// Free rigid bodies meet no matter that drives hold along some axes alone: what stops the body there makes the matter slip, and the search for
+/// its motion would go in circles.
+pub(super) fn meets_what_is_held(scene: &Scene, root: &Node) -> Outcome<()> {
+    for (drive, node) in scene.drives.iter().zip(root.get("drive").items()) {
+        if drive.components == [true; 3] {
+            continue;
+        }
+        let bonded = |m: &usize, n: usize| {
+            scene
+                .contacts
+                .iter()
+                .any(|c| c.law.bond().is_some() && c.between.contains(m) && c.between.contains(&n))
+        };
+        // with all that is bonded to it
+        let mut held = vec![drive.material];
+        while let Some(more) = (0..scene.materials.len()).find(|&n| {
+            !scene.materials[n].is_rigid() && !held.contains(&n) && held.iter().any(|m| bonded(m, n))
+        }) {
+            held.push(more);
+        }
+        let free = |m: &&usize| scene.materials[**m].is_free();
+        let met = scene.contacts.iter().filter(|c| c.between.iter().any(|m| held.contains(m)));
+        if let Some(&rigid) = met.flat_map(|c| &c.between).find(free) {
+            let message = format!(
+                "the drive {:?} holds matter along some axes alone, which the free rigid body of {:?} meets: that is not modelled",
+                drive.name, scene.materials[rigid].name
+            );
+            return Err(Fault::new(node.get("components").place, message).help(format!(
+                "set `components = \"xyz\"`, or make {:?} a prescribed tool or a material that deforms",
+                scene.materials[rigid].name
+            )));
         }
     }
     Ok(())

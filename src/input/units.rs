@@ -16,6 +16,8 @@ const fn unit(name: &'static str, dimension: Dimension, power: i32, factor: f64)
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const KILOMETER_PER_HOUR: f64 = 1.0 / 3.6;
+const MINUTE: f64 = 60.0;
+const HOUR: f64 = 3600.0;
 const STANDARD_GRAVITY: f64 = 9.806_65;
 const TURN_PER_MINUTE: f64 = std::f64::consts::TAU / 60.0;
 
@@ -32,6 +34,8 @@ const UNITS: &[Unit] = &[
     unit("ms", Dimension::Time, -3, 1.0),
     unit("us", Dimension::Time, -6, 1.0),
     unit("ns", Dimension::Time, -9, 1.0),
+    unit("min", Dimension::Time, 0, MINUTE),
+    unit("h", Dimension::Time, 0, HOUR),
     unit("m/s", Dimension::Velocity, 0, 1.0),
     unit("cm/s", Dimension::Velocity, -2, 1.0),
     unit("mm/s", Dimension::Velocity, -3, 1.0),
@@ -134,6 +138,7 @@ mod tests {
         assert_eq!(parse("1e3 µm", Dimension::Length), Ok(1e-3));
         assert_eq!(parse("46 GPa", Dimension::Stress), Ok(46e9));
         assert_eq!(parse("11.34 g/cm³", Dimension::Density), Ok(11340.0));
+        assert_eq!(parse("1.5 h", Dimension::Time), Ok(5400.0));
         assert_eq!(parse("-180 deg", Dimension::Angle), Ok(-std::f64::consts::PI));
         assert_eq!(parse("8 %", Dimension::One), Ok(0.08));
         assert_eq!(parse("0.08", Dimension::One), Ok(0.08));

@@ -1,11 +1,12 @@
 //! What a scene must fulfil as a whole: its matter lies in the domain, apart, and in memory.
 use super::document::Node;
-use super::error::{Fault, Outcome, Point};
+use super::error::{Fault, Outcome, Point, all, both};
 use super::rigid;
 use grid::Level;
 use scene::geometry::overlap;
 use scene::sampling::{cells, exposed_area, inside, points, sample};
 use scene::{Body, Domain, ForceKind, Scene};
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// Bytes that a particle takes in a run, with its share of the nodes: an estimate for the check of memory.
@@ -17,9 +18,10 @@ const BYTES_PER_BLOCK: [f64; 2] = [16.0, 12.0];
 
 /// Checks what holds for the scene as a whole. `root` is the document, for places; `available`: bytes of memory, if known.
 pub(super) fn scene(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
-    bodies(scene, root, available)?;
-    regions(scene, root)?;
-    blocks(scene, root, available.map_or(f64::INFINITY, |bytes| bytes as f64))
+    let fits = blocks(scene, root, available.map_or(f64::INFINITY, |bytes| bytes as f64));
+    // who lies where is asked of bodies that are right
+    both(fits, bodies(scene, root, available))?;
+    regions(scene, root)
 }
 
 /// The domain is not so much larger than what is in it that lists of its blocks fill the memory.
@@ -48,26 +50,28 @@ fn bodies(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
     }
     let most = available.map_or(usize::MAX, |bytes| bytes / BYTES_PER_PARTICLE);
     let mut particles = 0;
-    for (i, (body, node)) in scene.bodies.iter().zip(given.items()).enumerate() {
-        if scene.bodies[..i].iter().any(|other| other.name == body.name) {
+    let mut names = HashSet::new();
+    let one = |(i, (body, node)): (usize, (&Body, &Node))| {
+        if !names.insert(body.name.clone()) {
             let message = format!("there are two bodies named {:?}", body.name);
             return Err(Fault::new(node.get("name").place, message).help("give each body a name of its own"));
         }
         rigid::body(scene, i, node, root)?;
-        if !scene.materials[body.material].has_particles() {
-            continue;
+        if scene.materials[body.material].has_particles() {
+            in_domain(scene, body, node, most)?;
+            particles += counted(scene, body, node, particles, most)?;
         }
-        in_domain(scene, body, node, most)?;
-        particles += counted(scene, body, node, particles, most)?;
-    }
-    rigid::have_bodies(scene, root)?;
-    rigid::tools_act(scene, root)?;
-    for (i, body) in scene.bodies.iter().enumerate() {
-        for other in &scene.bodies[..i] {
-            apart(&scene.domain, other, body, &given.items()[i])?;
-        }
-    }
-    Ok(())
+        Ok(())
+    };
+    let each = all(scene.bodies.iter().zip(given.items()).enumerate().map(one));
+    let rigid = both(rigid::have_bodies(scene, root), rigid::tools_act(scene, root));
+    let rigid = both(rigid, rigid::meets_what_is_held(scene, root));
+    both(each, rigid)?;
+    let meets = |(i, body): (usize, &Body)| {
+        let mut others = scene.bodies[..i].iter();
+        others.try_for_each(|other| apart(&scene.domain, other, body, &given.items()[i]))
+    };
+    all(scene.bodies.iter().enumerate().map(meets)).map(drop)
 }
 
 /// Drives and forces have particles to act on, and some matter is there at all.

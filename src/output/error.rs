@@ -60,7 +60,7 @@ fn remedy(source: &io::Error) -> &'static str {
 }
 
 /// Names the file of a system error: `.map_err(io("write", path))`.
-pub(crate) fn io<'a>(action: &'static str, path: &'a Path) -> impl Fn(io::Error) -> Error + 'a {
+pub fn io<'a>(action: &'static str, path: &'a Path) -> impl Fn(io::Error) -> Error + 'a {
     move |source| Error::Io { action, path: path.into(), source }
 }
 

@@ -1,5 +1,6 @@
 //! `history.csv`: a row every few steps, for people with a spreadsheet and for plots.
-use super::error::{Result, io};
+use super::create::{create, write_whole};
+use super::error::{Error, Result, io};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -147,7 +148,7 @@ impl History {
     /// # Errors
     /// If the file cannot be written.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self> {
-        let file = File::create(path).map_err(io("create", path))?;
+        let file = create(path)?;
         let mut history = Self { path: path.into(), file: BufWriter::new(file), columns: columns.len() };
         history.line(columns.iter().map(|column| quoted(&column.header())))?;
         Ok(history)
@@ -157,9 +158,14 @@ impl History {
     /// looks sees the old file or the new one, never half of one.
     ///
     /// # Errors
-    /// If the file cannot be read or written.
+    /// If the file cannot be read or written, or is damaged.
     pub fn resume(path: &Path, columns: &[Column], time: f64) -> Result<Self> {
-        let old = std::fs::read_to_string(path).map_err(io("read", path))?;
+        let content = |problem: &str| Error::Content { path: path.into(), problem: problem.into() };
+        if !std::fs::metadata(path).map_err(io("read", path))?.is_file() {
+            return Err(content("it is no file"));
+        }
+        let old = std::fs::read(path).map_err(io("read", path))?;
+        let old = String::from_utf8(old).map_err(|_| content("it is damaged: it is not text"))?;
         let header = columns.iter().map(|column| quoted(&column.header())).collect::<Vec<_>>().join(",");
         let early = |line: &&str| {
             // a run that was killed may have left half a row
@@ -167,7 +173,7 @@ impl History {
             first.and_then(|t| t.parse().ok()).is_some_and(|t: f64| t <= time)
         };
         let rows = old.split_inclusive('\n').skip(1).filter(early);
-        super::summary::write_whole(path, format!("{header}\n{}", rows.collect::<String>()).as_bytes())?;
+        write_whole(path, format!("{header}\n{}", rows.collect::<String>()).as_bytes())?;
         let file = File::options().append(true).open(path).map_err(io("open", path))?;
         Ok(Self { path: path.into(), file: BufWriter::new(file), columns: columns.len() })
     }

@@ -1,16 +1,19 @@
 //! Files for people and for other programs.
 pub mod checkpoint;
+pub mod claim;
 pub mod compare;
+pub mod create;
 pub(crate) mod error;
 pub mod frame;
 pub mod history;
 pub mod parcel;
+pub mod seal;
 pub mod snapshot;
 pub mod space;
+mod stored;
 pub mod summary;
 pub mod together;
 pub mod trace;
 pub mod vtkhdf;
 
-pub(crate) use error::io;
-pub use error::{Error, Result};
+pub use error::{Error, Result, io};

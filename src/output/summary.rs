@@ -1,9 +1,9 @@
 //! `summary.json`: what a run did, in one page.
+use super::create::write_whole;
 use super::error::{Error, Result, io};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::Write;
+use std::fs;
 use std::path::Path;
 
 /// How a run ended.
@@ -198,6 +198,9 @@ impl Summary {
     /// # Errors
     /// If it is missing, or not a summary.
     pub fn read(path: &Path) -> Result<Self> {
+        if !fs::metadata(path).map_err(io("read", path))?.is_file() {
+            return Err(Error::Content { path: path.into(), problem: "it is no file".into() });
+        }
         let text = fs::read_to_string(path).map_err(io("read", path))?;
         serde_json::from_str(&text).map_err(|error| wrong(path, &error))
     }
@@ -205,20 +208,4 @@ impl Summary {
 
 fn wrong(path: &Path, error: &serde_json::Error) -> Error {
     Error::Content { path: path.into(), problem: format!("not a summary of a run ({error})") }
-}
-
-/// Writes a file aside, waits until the disk has it, and puts it in place.
-///
-/// # Errors
-/// If it cannot be written; the old file, if any, stays.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let aside = path.with_added_extension("part");
-    let written = File::create(&aside)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&aside, path));
-    if written.is_err() {
-        // Best effort: the error that matters is the one returned.
-        let _ = fs::remove_file(&aside);
-    }
-    written.map_err(io("write", path))
 }

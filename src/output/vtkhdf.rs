@@ -1,17 +1,24 @@
 //! `particles.vtkhdf`: particles in time as VTKHDF PolyData, which ParaView opens.
 //!
-//! Format: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/>. Every particle is a vertex cell.
-//! Frames share one connectivity 0, 1, 2…: all cell offsets are zero, and rows of equal content are one dataset
-//! under several names (hard links). Each frame starts on a chunk boundary, so appending never touches the bytes
-//! of an earlier frame; the frame counter is written last.
+//! Each frame is a file of its own in the folder `particles`, written aside, sealed (`seal.rs`), put in place and never
+//! touched again. `particles.vtkhdf` is an index of them: what VTK looks for are virtual datasets, which HDF5 composes of
+//! the frames' (<https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/>). It is written anew after each
+//! frame, and replaced at once. So whoever looks finds whole frames, at any moment and after any kill; a damaged frame is
+//! one frame; and the index states the digest of every frame, so that no other file passes for it.
+mod frame_file;
+mod index;
 mod reader;
-mod rows;
 mod writer;
 
 pub use reader::Reader;
-pub use writer::{CHUNK, Writer};
+pub use writer::{Writer, refuse_link, remove_frames};
 
-/// Names inside the file.
+use std::path::{Path, PathBuf};
+
+/// Rows of a chunk. Pieces of a frame that end at a multiple of it are compressed once.
+pub const CHUNK: usize = 65_536;
+
+/// Names inside the files.
 mod name {
     pub const ROOT: &str = "VTKHDF";
     pub const POINTS: &str = "Points";
@@ -20,11 +27,49 @@ mod name {
     pub const COUNTS: &str = "NumberOfPoints";
     pub const OFFSETS: &str = "Steps/PointOffsets";
     pub const TIMES: &str = "Steps/Values";
-    /// Not VTK's: the number of steps taken up to each frame.
+    /// Not VTK's: the number of steps taken up to each frame, the number of its file, and its digest.
     pub const TAKEN: &str = "Steps/StepsTaken";
-    /// Attribute of `Steps`: how many frames are whole.
+    pub const NUMBERS: &str = "Steps/FileNumber";
+    pub const DIGESTS: &str = "Steps/FileDigest";
+    /// Attribute of `Steps`: how many frames there are.
     pub const FRAMES: &str = "NSteps";
     pub const IDENTITY: &str = "id";
     pub const MATERIAL: &str = "material";
     pub const UNIT: &str = "unit";
+    pub const TIME: &str = "time";
+    pub const STEP: &str = "step";
+    pub const PARTICLES: &str = "particles";
+}
+
+/// A frame, as the index knows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Entry {
+    /// Number of its file.
+    number: u64,
+    time: f64,
+    step: u64,
+    particles: usize,
+    digest: u128,
+}
+
+/// The folder of the frames, beside the index.
+const FOLDER: &str = "particles";
+
+fn folder(index: &Path) -> PathBuf {
+    index.with_file_name(FOLDER)
+}
+
+/// A file of that folder, as seen from the index.
+fn relative(file: &str) -> String {
+    format!("{FOLDER}/{file}")
+}
+
+/// The name of a frame's file.
+fn file_name(number: u64) -> String {
+    format!("{number:06}.h5")
+}
+
+/// The file of a frame.
+fn file(index: &Path, number: u64) -> PathBuf {
+    folder(index).join(file_name(number))
 }

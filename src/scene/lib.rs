@@ -366,6 +366,8 @@ pub struct Checkpoint {
     pub time: Option<f64>,
     /// Every so much time on the clock of the machine [s]; 0: never.
     pub wall: f64,
+    /// At the end of a completed run, too.
+    pub at_end: bool,
     /// How many to keep.
     pub kept: usize,
 }

@@ -2,7 +2,7 @@
 use super::fault::RunError;
 use super::{Ledger, Simulation, layout};
 use crate::output;
-use crate::output::checkpoint::{self, Head, Reader, Recorded, VERSION};
+use crate::output::checkpoint::{self, Head, Part, Reader, Recorded, VERSION};
 use engine::data::rates::Clock;
 use engine::data::warehouse::Warehouse;
 use engine::exec::ranks::{Network, collective};
@@ -12,12 +12,54 @@ use simd::Isa;
 use std::path::Path;
 use tasks::labels::{Reactions, Time};
 
+/// A state that is kept in memory, in case that a later step fails.
+#[derive(Debug)]
+pub struct Kept {
+    head: Head,
+    /// This rank's.
+    parts: Vec<Part>,
+}
+
+impl Kept {
+    /// Steps taken until then.
+    pub fn steps(&self) -> u64 {
+        self.head.steps
+    }
+
+    /// Writes it as a checkpoint, from rank 0. All ranks call it.
+    ///
+    /// # Errors
+    /// If the file cannot be written: on all ranks.
+    pub fn write(self, folder: &Path, network: &mut dyn Network) -> output::Result<()> {
+        let Self { head, parts } = self;
+        let path = checkpoint::path(folder, head.steps);
+        checkpoint::write(network, |give| parts.into_iter().for_each(give), &path, &head)
+    }
+}
+
 impl Simulation {
     /// Writes `checkpoint-NNNNNNNN.h5` into a folder, from rank 0. All ranks call it, between two steps.
     ///
     /// # Errors
     /// If the file cannot be written: on all ranks.
     pub fn write_checkpoint(&mut self, folder: &Path, recorded: Recorded) -> output::Result<()> {
+        let head = self.checkpoint_head(recorded)?;
+        let path = checkpoint::path(folder, self.steps);
+        let Self { warehouse, network, .. } = self;
+        checkpoint::write(&mut **network, |give| checkpoint::parts(warehouse, give), &path, &head)
+    }
+
+    /// What a checkpoint would hold now, kept in memory. All ranks call it, between two steps.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn keep(&mut self, recorded: Recorded) -> output::Result<Kept> {
+        let (head, mut parts) = (self.checkpoint_head(recorded)?, Vec::new());
+        checkpoint::parts(&self.warehouse, &mut |part| parts.push(part));
+        Ok(Kept { head, parts })
+    }
+
+    fn checkpoint_head(&mut self, recorded: Recorded) -> output::Result<Head> {
         let mut updates = [self.updates];
         collective::sum(self.network(), &mut updates)?;
         let mut head = Head {
@@ -33,8 +75,7 @@ impl Simulation {
             ..Head::default()
         };
         head.describe(&mut *self.network, &self.warehouse)?;
-        let path = checkpoint::path(folder, self.steps);
-        checkpoint::write(&mut *self.network, &self.warehouse, &path, &head)
+        Ok(head)
     }
 
     /// This rank's part of a simulation as a checkpoint of it says, on all ranks of `network`.

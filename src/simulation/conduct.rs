@@ -14,6 +14,7 @@ use engine::program::Loop;
 use engine::schema::Label;
 use grid::Level;
 use scene::{Leaving, Scene};
+use simd::Wide;
 use tasks::labels::{RigidSolved, StepOver, Time};
 
 /// Conducts a program of a simulation.
@@ -30,7 +31,12 @@ pub struct Direction<'a> {
     pub step: u64,
     /// The clock before the graph that runs.
     pub clock: Clock,
+    /// Whether the step has become too long for whoever waits for its end.
+    pub impatient: &'a mut Impatience,
 }
+
+/// Asked after each tick: whether the run shall end in the middle of a step.
+pub type Impatience = Box<dyn FnMut() -> bool + Send>;
 
 impl Conductor for Direction<'_> {
     type Error = RunError;
@@ -48,6 +54,10 @@ impl Conductor for Direction<'_> {
         back
     }
 
+    fn wants_to_stop(&mut self) -> bool {
+        (self.impatient)()
+    }
+
     fn ran(
         &mut self,
         graph: &TaskGraph,
@@ -61,7 +71,10 @@ impl Conductor for Direction<'_> {
         }
         fault::find(self.scene, warehouse, before.time, self.step).map_or(Ok(()), Err)?;
         self.ledger.add(graph, &warehouse.shared);
-        self.count(relocation, &warehouse.materials)
+        self.count(relocation, &warehouse.materials)?;
+        // at the end of a step there is something to go on from
+        let over = ticks && warehouse.shared.get::<Wide>(StepOver::ID, 0).0[0] > 0.0;
+        if relocation.stopped && !over { Err(RunError::Stopped { step: self.step }) } else { Ok(()) }
     }
 
     fn looped(

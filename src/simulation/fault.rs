@@ -39,6 +39,12 @@ pub enum RunError {
         /// The step.
         step: u64,
     },
+    /// Somebody wants the run to end in the middle of a step.
+    #[error("stopped in the middle of step {step}")]
+    Stopped {
+        /// The step.
+        step: u64,
+    },
     /// The pool of threads did not start.
     #[error("threads did not start: {0}; try fewer with --threads")]
     Pool(#[from] rayon::ThreadPoolBuildError),

@@ -17,6 +17,7 @@ pub mod report;
 mod snapshot;
 mod surfaces;
 mod together;
+pub mod watch;
 
 pub use balance::Balance;
 pub use fault::RunError;
@@ -25,6 +26,8 @@ pub use report::{Energies, GiverReport, MaterialReport, Report};
 pub use snapshot::Snapshot;
 
 use crate::output;
+pub use checkpoint::Kept;
+pub use conduct::Impatience;
 use conduct::{Direction, Reporting};
 use engine::data::rates::Clock;
 use engine::data::warehouse::Warehouse;
@@ -93,6 +96,7 @@ pub struct Simulation {
     steps: u64,
     updates: u64,
     balance: Balance,
+    impatient: Impatience,
 }
 
 impl Simulation {
@@ -159,6 +163,7 @@ impl Simulation {
             steps,
             updates,
             balance,
+            impatient: Box::new(|| false),
         })
     }
 
@@ -174,9 +179,9 @@ impl Simulation {
 
     /// Runs a program: that of a step, or another one.
     fn execute(&mut self, other: Option<&Program>) -> Result<(), RunError> {
-        let Self { scene, warehouse, program, engine, network, ledger, steps, updates, .. } = self;
+        let Self { scene, warehouse, program, engine, network, ledger, steps, updates, impatient, .. } = self;
         let (level, clock) = (warehouse.level, warehouse.shared.get(labels::Time::ID, 0));
-        let mut direction = Direction { scene, level, ledger, updates, step: *steps, clock };
+        let mut direction = Direction { scene, level, ledger, updates, step: *steps, clock, impatient };
         engine.execute(other.unwrap_or(program), warehouse, &mut **network, &mut direction)
     }
 
@@ -215,6 +220,12 @@ impl Simulation {
         let Self { engine, warehouse, network, .. } = self;
         let partition = Partition::new(of, network.rank(), network.size());
         Ok(engine.migrate(partition, warehouse, &mut **network)?)
+    }
+
+    /// Sets what is asked after each tick of a step: whether the run shall end in the middle of it, with
+    /// [`RunError::Stopped`] on all ranks. Such a state cannot be gone on from.
+    pub fn set_impatience(&mut self, impatient: Impatience) {
+        self.impatient = impatient;
     }
 
     /// Whether the end of the run is reached.
@@ -284,11 +295,20 @@ impl Simulation {
     /// # Errors
     /// If a rank is gone.
     pub fn report(&mut self) -> Result<Report, NetworkError> {
+        let report = self.peek()?;
+        self.ledger.note(&report);
+        Ok(report)
+    }
+
+    /// The same of a moment that nobody may know of later: what is reported after it does not depend on it.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn peek(&mut self) -> Result<Report, NetworkError> {
         let Self { engine, report_program, warehouse, network, .. } = self;
         engine.execute(report_program, warehouse, &mut **network, &mut Reporting)?;
         let mut report = self.ledger.report(&self.scene, &self.warehouse, self.steps);
         together::count_particles(&mut *self.network, &mut report)?;
-        self.ledger.note(&report);
         Ok(report)
     }
 

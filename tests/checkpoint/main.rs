@@ -159,19 +159,97 @@ fn the_last_whole_checkpoint_is_the_one_that_is_used() {
     }
     let [one, two, three] = [1, 2, 3].map(|steps| checkpoint::path(folder.path(), steps));
     assert_eq!(checkpoint::list(folder.path()), [three.clone(), two.clone(), one.clone()]);
+    // a pipe and a folder of such a name are none, and another file of such a name stays where it is
+    let [pipe, inner, foreign] = [7, 8, 9].map(|steps| checkpoint::path(folder.path(), steps));
+    assert!(ok(Command::new("mkfifo").arg(&pipe).status()).success());
+    ok(std::fs::create_dir(&inner));
+    ok(std::fs::write(&foreign, b"a letter"));
+    ok(checkpoint::prune(folder.path(), 3));
+    assert_eq!(checkpoint::list(folder.path()), [foreign.clone(), three.clone(), two.clone(), one.clone()]);
+    assert_eq!(ok(last_whole(folder.path())).path, three);
+    assert!(ok(last_whole(folder.path())).damaged.is_empty());
+    ok(std::fs::remove_file(&foreign));
     let bytes = ok(std::fs::read(&three));
     ok(std::fs::write(&three, &bytes[..bytes.len() / 2]));
     let found = ok(last_whole(folder.path()));
     assert_eq!((found.path, found.damaged), (two.clone(), vec![three.clone()]));
     assert!(found.warnings[0].contains("checkpoint-00000003.h5"), "{:?}", found.warnings);
+    ok(checkpoint::prune(folder.path(), 1));
+    assert_eq!(checkpoint::list(folder.path()), [three.clone(), two.clone()], "the whole ones are counted");
     for file in [&one, &two] {
         ok(std::fs::write(file, b"nothing"));
     }
     let error = last_whole(folder.path()).expect_err("none is whole").to_string();
     assert!(["00000001", "00000002", "00000003"].iter().all(|name| error.contains(name)), "{error}");
-    ok(checkpoint::prune(folder.path(), 2));
-    assert_eq!(checkpoint::list(folder.path()), [three, two]);
 }
+/// Files with a good seal that say something else than they should: each is refused, or read as far as it makes sense, and none makes Sinew panic or
+/// read what lies elsewhere.
+#[test]
+fn crafted_checkpoints_are_refused() {
+    let folder = folder();
+    let path = stopped(shot(&[]), LAYOUTS[0], 2, folder.path());
+    let bytes = ok(std::fs::read(&path));
+    let content = &bytes[..bytes.len() - 32];
+    let mut names = Vec::new();
+    {
+        ok(std::fs::write(&path, content));
+        let file = ok(hdf5::File::open(&path));
+        datasets(&file, "", &mut names);
+    }
+    assert!(names.len() > 20, "{names:?}");
+    let secret = folder.path().join("secret");
+    ok(std::fs::write(&secret, [0u8; 4096]));
+    let mut refused = 0;
+    for (number, name) in names.iter().enumerate() {
+        ok(std::fs::write(&path, content));
+        {
+            let file = ok(hdf5::File::open_rw(&path));
+            let shape = ok(file.dataset(name)).shape();
+            ok(file.unlink(name));
+            let made = file.new_dataset::<f64>();
+            let made = match number % 5 {
+                0 => Ok(()),
+                1 => made
+                    .shape(shape.iter().map(|n| n + 1).collect::<Vec<_>>())
+                    .create(name.as_str())
+                    .map(drop),
+                2 => made
+                    .shape(shape.iter().map(|n| n / 2).collect::<Vec<_>>())
+                    .create(name.as_str())
+                    .map(drop),
+                3 => file
+                    .new_dataset::<hdf5::types::FixedAscii<4>>()
+                    .shape(shape)
+                    .create(name.as_str())
+                    .map(drop),
+                _ => {
+                    let external = made.external(text(&secret), 0, 8 * shape.iter().product::<usize>());
+                    external.shape(shape).create(name.as_str()).map(drop)
+                }
+            };
+            ok(made);
+        }
+        ok(sinew::output::seal::seal(&path));
+        let read = Reader::open(&path).map_err(RunError::from).and_then(|reader| {
+            Simulation::restore(Box::new(Alone), laid_out(shot(&[]), LAYOUTS[0]), Isa::detect(), &reader)
+        });
+        refused += usize::from(read.is_err());
+        println!("{name} {}: {}", number % 5, read.err().map_or("read".into(), |error| error.to_string()));
+    }
+    assert_eq!(refused, names.len(), "nothing of it is superfluous");
+}
+
+/// The names of all datasets below a group.
+fn datasets(group: &hdf5::Group, path: &str, into: &mut Vec<String>) {
+    for name in ok(group.member_names()) {
+        let whole = if path.is_empty() { name.clone() } else { format!("{path}/{name}") };
+        match group.group(&name) {
+            Ok(inner) => datasets(&inner, &whole, into),
+            Err(_) => into.push(whole),
+        }
+    }
+}
+
 #[test]
 fn a_checkpoint_of_other_materials_is_refused() {
     let folder = folder();

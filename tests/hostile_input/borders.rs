@@ -85,6 +85,10 @@ fn rigid_bodies() {
     assert!(error.contains("a mirror cuts"), "{error}");
     read_text("test", &half("locked = \"y\"\nlocked-turns = \"xz\""), &[], None)
         .expect("it moves along the mirror");
+    // what is held along some axes alone, by itself or by a bond
+    let held = "\n[[drive]]\nmaterial = \"soft\"\ncomponents = \"xz\"\n";
+    let (error, _) = refused(&format!("{}{held}", GOOD), &[]);
+    assert!(error.contains("along some axes alone") && error.contains("components = \"xyz\""), "{error}");
     let criterion =
         GOOD.replace("friction = 0.1", "friction = 0.1\ncriterion = \"approach-and-compression\"");
     let (error, _) = refused(&criterion, &[]);

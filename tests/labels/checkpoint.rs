@@ -19,7 +19,8 @@ fn write(start: &Start, layout: &Layout, count: usize, path: &Path) -> State {
         steps((&mut engine, &mut warehouse, &mut network), &program, layout, count);
         let mut head = Head::default();
         head.describe(&mut network, &warehouse).expect("tables");
-        checkpoint::write(&mut network, &warehouse, path, &head).expect("a checkpoint");
+        checkpoint::write(&mut network, |give| checkpoint::parts(&warehouse, give), path, &head)
+            .expect("a checkpoint");
         state(&warehouse)
     })
 }

@@ -67,8 +67,8 @@ pub fn overrides(set: &[String]) -> Result<Vec<(String, String)>, Failure> {
 
 /// Run a scene and leave a folder with summary, history, particle file, checkpoints and pictures
 ///
-/// SIGINT (Ctrl-C), SIGTERM and SIGUSR1 end a run after the step it is in, with a checkpoint; a second one ends it at once.
-/// The exit status is then 130, 143 or 138. mpirun leaves ranks a second after SIGINT and SIGTERM, but passes SIGUSR1 on and
+/// SIGINT (Ctrl-C), SIGTERM, SIGHUP and SIGUSR1 end a run after the step it is in, with a checkpoint; a second one ends it
+/// at once. The exit status is then 130, 143, 129 or 138. mpirun leaves ranks a second after SIGINT and SIGTERM, but passes SIGUSR1 on and
 /// waits.
 #[derive(clap::Args)]
 pub struct RunArgs {
@@ -81,9 +81,13 @@ pub struct RunArgs {
     #[arg(long, value_name = "DIR", conflicts_with = "restart")]
     pub out: Option<PathBuf>,
     /// Go on with the run in DIR from its last whole checkpoint, bit for bit, on any patches, threads and ranks; run.until,
-    /// run.steps and [output] may change, the physics may not
+    /// run.steps, run.leaving and [output] may change, the physics may not
     #[arg(long, value_name = "DIR")]
     pub restart: Option<PathBuf>,
+    /// Stop with a checkpoint before so much time on the clock has passed, for example "23 h", as a batch system's limit
+    /// demands; the exit status is then 124
+    #[arg(long, value_name = "T")]
+    pub wall: Option<String>,
     /// Overwrite a run that the folder holds; with --restart: go on although another version of Sinew or another instruction
     /// set wrote the checkpoint, with other bits
     #[arg(long)]

@@ -2,12 +2,13 @@
 use super::args::overrides;
 use super::fail::Failure;
 use super::progress::Progress;
+use super::say::tell;
 use physics::parameter::Dimension;
 use scene::{Rates, Scene};
 use simd::Isa;
 use sinew::input::{self, units};
 use sinew::lab::bench::{BenchError, Plan, Report, bench, compare};
-use sinew::output::summary::write_whole;
+use sinew::output::io;
 use sinew::simulation::{Simulation, available_threads};
 use std::path::{Path, PathBuf};
 
@@ -68,14 +69,15 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let plan = Plan { steps: args.steps, repeat: args.repeat, threads };
     let mut progress = |what: &str| {
         if !args.quiet {
-            eprintln!("measuring {what}");
+            tell!("measuring {what}");
         }
     };
     let report = bench(&mut simulation, &plan, &mut progress)?;
     print!("{report}");
     if let Some(file) = &args.json {
         let text = serde_json::to_string_pretty(&report).map_err(|e| Failure::Run(e.to_string()))?;
-        write_whole(file, format!("{text}\n").as_bytes())?;
+        // a file that the user names may be a pipe
+        std::fs::write(file, format!("{text}\n")).map_err(io("write", file))?;
     }
     if let Some(before) = before {
         print!("\n{}", compare(&report, &before));

@@ -1,4 +1,5 @@
 //! How a subcommand fails: what is printed, and the exit status.
+use super::say::tell;
 use engine::exec::ranks::launch::Launch;
 use miette::Report;
 use sinew::input::SceneError;
@@ -10,6 +11,8 @@ use std::process::ExitCode;
 pub enum Failure {
     /// Bad usage or a bad scene: exit status 2.
     Usage(Report),
+    /// A folder that another run has: exit status 2.
+    Taken(String),
     /// A run that failed: exit status 1.
     Run(String),
     /// A failure of this rank alone: exit status 1.
@@ -31,7 +34,7 @@ impl Failure {
     /// The exit status.
     pub fn status(&self) -> u8 {
         match self {
-            Failure::Usage(_) => 2,
+            Failure::Usage(_) | Failure::Taken(_) => 2,
             Failure::Run(_) | Failure::Local(_) | Failure::Elsewhere => 1,
             Failure::Interrupted(_, status) | Failure::Told(status) => *status,
         }
@@ -41,7 +44,9 @@ impl Failure {
     pub fn message(&self) -> String {
         match self {
             Failure::Usage(report) => format!("{report:?}"),
-            Failure::Run(message) | Failure::Local(message) => format!("error: {message}"),
+            Failure::Run(message) | Failure::Local(message) | Failure::Taken(message) => {
+                format!("error: {message}")
+            }
             Failure::Interrupted(message, _) => message.clone(),
             Failure::Told(_) | Failure::Elsewhere => String::new(),
         }
@@ -53,9 +58,9 @@ impl Failure {
         let rank = Launch::of_this_process().rank;
         match (&self, rank) {
             (Failure::Told(_), _) => {}
-            (Failure::Local(_), 1..) => eprintln!("on rank {rank}: {}", self.message()),
+            (Failure::Local(_), 1..) => tell!("on rank {rank}: {}", self.message()),
             (Failure::Elsewhere, _) | (_, 1..) => return ExitCode::SUCCESS,
-            _ => eprintln!("{}", self.message()),
+            _ => tell!("{}", self.message()),
         }
         ExitCode::from(self.status())
     }
@@ -79,6 +84,8 @@ impl From<RunError> for Failure {
             RunError::Patches(_)
             | RunError::Resolution { .. }
             | RunError::Outside { .. }
+            | RunError::TwoDrives { .. }
+            | RunError::TwoForces { .. }
             | RunError::Checkpoint(_) => Failure::usage(error),
             RunError::Pool(_) | RunError::Network(_) => Failure::Local(error.to_string()),
             error => Failure::Run(error.to_string()),

@@ -4,7 +4,9 @@ mod bench;
 mod check;
 mod compare;
 mod fail;
+mod folder;
 mod graph;
+mod greet;
 mod picture;
 mod ping;
 mod plot;
@@ -12,20 +14,22 @@ mod progress;
 mod ranks;
 mod restart;
 mod run;
+mod say;
 mod scale;
 mod scene_docs;
 mod signals;
+mod stop;
 mod wound;
 
 use clap::{Parser, Subcommand};
-use engine::exec::ranks::launch::Launch;
+use ranks::Crew;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
 /// Coupled solids by the material point method: tissue that fails, metal that yields, rigid tools.
 ///
-/// Exit status: 0 success, 1 a run that failed, 2 bad usage or a bad scene, 128 + n a run
-/// that signal n ended.
+/// Exit status: 0 success, 1 a run that failed, 2 bad usage or a bad scene, 124 a run whose time
+/// (--wall) was over, 128 + n a run that signal n ended.
 #[derive(Parser)]
 #[command(name = "sinew", version, propagate_version = true)]
 struct Cli {
@@ -48,23 +52,9 @@ enum Command {
     SceneDocs(scene_docs::Args),
 }
 
-/// Exit status of a program whose output nobody reads any more (128 + SIGPIPE).
-const BROKEN_PIPE: i32 = 141;
-
-/// `sinew ... | head` ends when `head` has enough, without a word.
-fn end_quietly_on_a_broken_pipe() {
-    let report = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |panic| {
-        let message = panic.payload_as_str().unwrap_or_default();
-        if message.starts_with("failed printing to stdout") && message.contains("Broken pipe") {
-            std::process::exit(BROKEN_PIPE);
-        }
-        report(panic);
-    }));
-}
-
 fn main() -> ExitCode {
-    end_quietly_on_a_broken_pipe();
+    say::end_where_nobody_reads();
+    signals::let_long_files_fail();
     let filter = tracing_subscriber::EnvFilter::from_env("SINEW_LOG");
     let spans = tracing_subscriber::fmt::format::FmtSpan::CLOSE;
     tracing_subscriber::fmt()
@@ -72,18 +62,25 @@ fn main() -> ExitCode {
         .with_span_events(spans)
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
+        .log_internal_errors(false)
         .init();
+    // whatever they were started as: one of several that goes its own way leaves the others waiting
+    let crew = match Crew::meet() {
+        Ok(crew) => crew,
+        Err(failure) => return failure.report(),
+    };
+    let first = crew.network.rank() == 0;
     let command = match Cli::try_parse() {
         Ok(cli) => cli.command,
         // as one of several ranks, the first alone talks
-        Err(_) if Launch::of_this_process().rank > 0 => return ExitCode::SUCCESS,
+        Err(_) if !first => return ExitCode::SUCCESS,
         Err(error) => error.exit(),
     };
-    if Launch::of_this_process().rank > 0 && !matches!(command, Command::Run(_) | Command::Ping(_)) {
+    if !first && !matches!(command, Command::Run(_) | Command::Ping(_)) {
         return ExitCode::SUCCESS;
     }
     let result = match command {
-        Command::Run(args) => run::run(&args),
+        Command::Run(args) => run::run(&args, crew),
         Command::Check(args) => check::run(&args),
         Command::Graph(args) => graph::run(&args),
         Command::Wound(args) => wound::run(&args),
@@ -92,7 +89,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Scale(args) => scale::run(&args),
-        Command::Ping(args) => ping::run(&args),
+        Command::Ping(args) => ping::run(&args, crew),
         Command::SceneDocs(args) => scene_docs::run(&args),
     };
     match result {

@@ -1,6 +1,6 @@
 //! `sinew ping`: what messages between two ranks take.
 use super::fail::Failure;
-use super::ranks;
+use super::ranks::Crew;
 use sinew::lab::scale::ping::ping;
 
 /// Measure messages between two ranks: mpirun -n 2 sinew ping
@@ -15,8 +15,8 @@ pub struct Args {
 }
 
 /// Runs the subcommand.
-pub fn run(args: &Args) -> Result<(), Failure> {
-    let (mut network, _) = ranks::connect()?;
+pub fn run(args: &Args, crew: Crew) -> Result<(), Failure> {
+    let mut network = crew.network;
     if network.size() < 2 {
         return Err(Failure::usage("a ping takes two ranks: mpirun -n 2 sinew ping"));
     }

@@ -2,6 +2,7 @@
 use super::fail::Failure;
 use sinew::lab::plot::{Line, Plot};
 use sinew::output::history::Table;
+use sinew::output::{create::write_whole, io};
 use std::path::PathBuf;
 
 /// Plot columns of a run's history over each other, as SVG: energies in time, forces over displacements
@@ -56,8 +57,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let title = args.dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let plot = Plot { title, axes: [args.x.clone(), up], log: [false, false], marks: false, lines };
     let out = args.out.clone().unwrap_or_else(|| args.dir.join("plot.svg"));
-    std::fs::write(&out, plot.to_svg())
-        .map_err(|error| Failure::Run(format!("cannot write {}: {error}", out.display())))?;
+    // a file that the user names may be a pipe
+    let written = match &args.out {
+        Some(out) => std::fs::write(out, plot.to_svg()).map_err(io("write", out)),
+        None => write_whole(&out, plot.to_svg().as_bytes()),
+    };
+    written?;
     println!("{}", out.display());
     Ok(())
 }

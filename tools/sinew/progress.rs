@@ -1,5 +1,6 @@
 //! Progress of a run: a bar on a terminal, plain lines elsewhere.
 use super::fail::Failure;
+use super::say::tell;
 use engine::exec::ranks::collective;
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew::simulation::{RunError, Simulation};
@@ -13,6 +14,8 @@ const TICKS: u64 = 1000;
 pub struct Progress {
     bar: Option<ProgressBar>,
     quiet: bool,
+    /// Of several ranks the first, which talks.
+    first: bool,
     began: Instant,
     shown: Instant,
     next_line: f64,
@@ -34,7 +37,8 @@ impl Progress {
         let mut count = [mine as u64];
         let ranks = simulation.network().size();
         collective::sum(simulation.network(), &mut count).map_err(RunError::from)?;
-        let quiet = quiet || simulation.network().rank() > 0;
+        let first = simulation.network().rank() == 0;
+        let quiet = quiet || !first;
         let terminal = std::io::stderr().is_terminal();
         let bar = (terminal && !quiet).then(|| {
             let bar = ProgressBar::new(TICKS);
@@ -45,8 +49,8 @@ impl Progress {
         });
         if !quiet {
             let [a, b, c] = simulation.warehouse.decomposition.counts;
-            eprintln!("{title}");
-            eprintln!(
+            tell!("{title}");
+            tell!(
                 "{} particles, {a}x{b}x{c} patches, {}{} threads, {}",
                 count[0],
                 if ranks > 1 { format!("{ranks} ranks of ") } else { String::new() },
@@ -58,7 +62,17 @@ impl Progress {
         let until = simulation.scene.run.until;
         let before = (fraction(simulation, until), simulation.updates());
         let share = mine as f64 / count[0].max(1) as f64;
-        Ok(Self { bar, quiet, began: now, shown: now, next_line: before.0 + 0.05, until, before, share })
+        Ok(Self {
+            bar,
+            quiet,
+            first,
+            began: now,
+            shown: now,
+            next_line: before.0 + 0.05,
+            until,
+            before,
+            share,
+        })
     }
 
     /// Counts to a time before the end of the run [s].
@@ -97,7 +111,17 @@ impl Progress {
                 bar.set_position((done * TICKS as f64) as u64);
                 bar.set_message(message);
             }
-            None => eprintln!("{:>3.0} %  {message}", 100.0 * done),
+            None => tell!("{:>3.0} %  {message}", 100.0 * done),
+        }
+    }
+
+    /// Warnings of a run, also of a quiet one.
+    pub fn warn(&self, warnings: &[String]) {
+        for warning in warnings.iter().filter(|_| self.first) {
+            match &self.bar {
+                Some(bar) => bar.suspend(|| tell!("warning: {warning}")),
+                None => tell!("warning: {warning}"),
+            }
         }
     }
 

@@ -1,12 +1,37 @@
 //! A command as one of several ranks.
 use super::fail::Failure;
+use super::greet::greet;
+use super::say::tell;
 use engine::exec::ranks::launch::{self, Launch, Machine};
 use engine::exec::ranks::{Network, NetworkError, collective};
 use scene::Scene;
+use simd::Isa;
+use sinew::input::Written;
+use sinew::output::together::path_from_first;
 
-/// The ranks that were launched together, and what this one finds where it runs.
-pub fn connect() -> Result<(Box<dyn Network>, Machine), Failure> {
-    Launch::of_this_process().connect().map_err(Failure::usage)
+/// The ranks that were launched together.
+pub struct Crew {
+    /// Them.
+    pub network: Box<dyn Network>,
+    /// What this one finds where it runs.
+    pub site: Machine,
+    /// The instruction set that all take.
+    pub isa: Isa,
+}
+
+impl Crew {
+    /// Connects this process with those that were launched with it. All of them must be the same: see [`greet`].
+    pub fn meet() -> Result<Self, Failure> {
+        let launch = Launch::of_this_process();
+        let found = launch.connect().map_err(|problem| match launch.rank {
+            0 => Failure::usage(problem),
+            // the others may be waiting already: its status ends them
+            _ => Failure::Local(problem),
+        });
+        let (mut network, site) = found?;
+        let isa = greet(&mut *network)?;
+        Ok(Self { network, site, isa })
+    }
 }
 
 /// Gives the scene its threads, if nobody asked for a number, and says what stands in their way. None goes on where MPI
@@ -16,12 +41,12 @@ pub fn share_cores(scene: &mut Scene, site: Machine, network: &mut dyn Network) 
     scene.run.threads = Some(threads);
     agree(network, launch::admit(site.threading, threads).map_err(Failure::usage))?;
     if let (0, Some(note)) = (network.rank(), note) {
-        eprintln!("note: {note}");
+        tell!("note: {note}");
     }
     Ok(())
 }
 
-fn lost(error: NetworkError) -> Failure {
+pub fn lost(error: NetworkError) -> Failure {
     Failure::Local(error.to_string())
 }
 
@@ -35,19 +60,23 @@ pub fn agree<T>(network: &mut dyn Network, mine: Result<T, Failure>) -> Result<T
         Some((first, _)) if first != network.rank() => Err(Failure::Elsewhere),
         // who fails alone says so; what rank 0 knows, it says at its end
         Some((first, problem)) if first > 0 => mine.map_err(|failure| {
-            eprintln!("on rank {first}: {problem}");
+            tell!("on rank {first}: {problem}");
             Failure::Told(failure.status())
         }),
         _ => mine,
     }
 }
 
-/// What rank 0 says, on all ranks.
-pub fn from_first(
+/// The scene that rank 0 has found, with what is changed in it, on all ranks. The files of its meshes all must see.
+pub fn scene(
     network: &mut dyn Network,
-    say: impl FnOnce() -> Result<String, Failure>,
-) -> Result<String, Failure> {
-    let said = if network.rank() == 0 { say() } else { Ok(String::new()) };
-    let said = agree(network, said)?;
-    collective::text_from_first(network, &said).map_err(lost)
+    find: impl FnOnce() -> Result<Written, Failure>,
+    overrides: &[(String, String)],
+) -> Result<Scene, Failure> {
+    let found = if network.rank() == 0 { find().map(Some) } else { Ok(None) };
+    let Written { file, text } = agree(network, found)?.unwrap_or_default();
+    let file = path_from_first(network, &file).map_err(lost)?;
+    let text = collective::bytes_from_first(network, text.as_bytes()).map_err(lost)?;
+    let written = Written { file, text: String::from_utf8_lossy(&text).into_owned() };
+    agree(network, written.scene(overrides).map_err(Failure::from))
 }

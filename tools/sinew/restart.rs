@@ -1,60 +1,83 @@
 //! `sinew run --restart`: from the last whole checkpoint on.
 use super::args::RunArgs;
 use super::fail::Failure;
-use super::ranks;
-use engine::exec::ranks::Network;
-use engine::exec::ranks::launch::Machine;
+use super::folder::{self, Taken};
+use super::ranks::{self, Crew};
+use super::say::{say, tell};
+use engine::exec::ranks::collective;
 use scene::Scene;
 use simd::Isa;
+use sinew::input::Written;
 use sinew::input::identity::first_difference;
 use sinew::output::checkpoint::{Reader, VERSION};
-use sinew::simulation::Simulation;
+use sinew::output::summary::{Status, Summary};
 use sinew::simulation::recorder::{Recorder, last_checkpoint};
-use std::path::{Path, PathBuf};
+use sinew::simulation::{RunError, Simulation};
+use std::path::Path;
 
-/// The run in `folder`, where its last whole checkpoint left it.
+/// The run in `folder`, where its last whole checkpoint left it; `None`: it is complete.
 pub fn resume(
     args: &RunArgs,
     folder: &Path,
-    isa: Isa,
-    mut network: Box<dyn Network>,
-    site: Machine,
-) -> Result<(PathBuf, Simulation, Recorder), Failure> {
+    Crew { mut network, site, isa }: Crew,
+) -> Result<Option<(Taken, Simulation, Recorder)>, Failure> {
     let first = network.rank() == 0;
-    let warn =
-        |warnings: &[String]| warnings.iter().filter(|_| first).for_each(|w| eprintln!("warning: {w}"));
+    let taken = folder::resume(folder, &mut *network)?;
+    let folder = &*taken.path;
+    let warn = |warnings: &[String]| warnings.iter().filter(|_| first).for_each(|w| tell!("warning: {w}"));
     let last = last_checkpoint(&mut *network, folder).map_err(Failure::usage);
     let (checkpoint, found) = ranks::agree(&mut *network, last)?;
     warn(&found.warnings);
-    let scene = scene(args, folder, &checkpoint)
-        .and_then(|scene| same(&checkpoint, &scene, isa, args.force).map(|()| scene));
-    let mut scene = ranks::agree(&mut *network, scene)?;
+    let overrides = ranks::agree(&mut *network, args.changes.overrides())?;
+    let written = || written(args, folder, &checkpoint);
+    let mut scene = ranks::scene(&mut *network, written, &overrides)?;
+    scene.name.clone_from(&checkpoint.head.name);
+    ranks::agree(&mut *network, same(&checkpoint, &scene, isa, args.force))?;
+    let complete = first && is_complete(folder, &scene, &checkpoint);
+    if collective::bytes_from_first(&mut *network, &[complete.into()]).map_err(RunError::from)? == [1] {
+        if first {
+            say!(
+                "{} is complete: {} steps, {:.4} ms; go further with --until or --steps",
+                folder.display(),
+                checkpoint.head.steps,
+                1e3 * checkpoint.head.time
+            );
+        }
+        network.part(None);
+        return Ok(None);
+    }
     ranks::share_cores(&mut scene, site, &mut *network)?;
     let mut simulation = Simulation::restore(network, scene, isa, &checkpoint)?;
     let recorder = Recorder::resume(folder, &mut simulation, &checkpoint.head, &found.damaged);
     let (recorder, warnings) = recorder.map_err(Failure::usage)?;
     warn(&warnings);
-    if first && !args.quiet {
-        eprintln!("goes on from {}", found.path.display());
+    if simulation.clock().limited_by < 0.0 && !simulation.finished() {
+        warn(&["the last step before was cut short, because the run ended with it: from here on steps are not those of a run \
+                that was never stopped"
+            .into()]);
     }
-    Ok((folder.to_owned(), simulation, recorder))
+    if first && !args.quiet {
+        tell!("goes on from {}", found.path.display());
+    }
+    Ok(Some((taken, simulation, recorder)))
 }
 
-/// The scene that is given, that of the folder, or that of the checkpoint, with the changes of the command line.
-fn scene(args: &RunArgs, folder: &Path, checkpoint: &Reader) -> Result<Scene, Failure> {
-    let overrides = args.changes.overrides()?;
-    let written = folder.join("scene.toml");
-    let mut scene = match &args.scene {
-        Some(given) => sinew::input::read(given, &overrides)?,
-        None if written.exists() => sinew::input::read(&written, &overrides)?,
-        None => {
-            let memory = sinew::input::available_memory();
-            let name = checkpoint.path().display().to_string();
-            sinew::input::read_text(&name, &checkpoint.head.scene, &overrides, memory)?
-        }
-    };
-    scene.name.clone_from(&checkpoint.head.name);
-    Ok(scene)
+/// Whether a run has come to the end that the scene asks for, and has said so.
+fn is_complete(folder: &Path, scene: &Scene, checkpoint: &Reader) -> bool {
+    let head = &checkpoint.head;
+    let at_end = head.time >= scene.run.until || scene.run.steps.is_some_and(|most| head.steps >= most);
+    let summary = Summary::read(&folder.join("summary.json"));
+    at_end && summary.is_ok_and(|it| it.status == Status::Completed && it.steps == head.steps)
+}
+
+/// The scene that is given, that of the folder, or that of the checkpoint.
+fn written(args: &RunArgs, folder: &Path, checkpoint: &Reader) -> Result<Written, Failure> {
+    let beside = folder.join("scene.toml");
+    Ok(match &args.scene {
+        Some(given) => Written::read(given)?,
+        None if beside.is_file() => Written::read(&beside)?,
+        None => Written { file: checkpoint.path().to_owned(), text: checkpoint.head.scene.clone() },
+    })
 }
 
 /// Refuses a checkpoint from which a run of this scene would not go on bit for bit.

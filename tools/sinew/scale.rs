@@ -1,6 +1,7 @@
 //! `sinew scale`: how a scene scales, here and beyond.
 use super::args::overrides;
 use super::fail::Failure;
+use super::say::tell;
 use engine::exec::ranks::launch::cores;
 use scene::Scene;
 use sinew::lab::scale::footprint::Footprint;
@@ -156,7 +157,7 @@ fn say(args: &Args) -> impl FnMut(&str) + use<> {
     let quiet = args.quiet;
     move |what: &str| {
         if !quiet {
-            eprintln!("{what}");
+            tell!("{what}");
         }
     }
 }

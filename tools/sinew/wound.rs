@@ -1,5 +1,6 @@
 //! `sinew wound`: measures of a shot through a slab, beside the paper's.
 use super::fail::Failure;
+use super::say::say;
 use scene::Scene;
 use sinew::lab::wound::{Report, Unmeasured, measure};
 use sinew::output::frame::Frame;
@@ -33,7 +34,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 /// Prints the table of a run that has just ended.
 pub fn print(folder: &Path) -> Result<(), Failure> {
-    print!("\n{}", report(folder, None)?);
+    say!("\n{}", report(folder, None)?.to_string().trim_end());
     Ok(())
 }
 

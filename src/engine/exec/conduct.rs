@@ -28,6 +28,12 @@ pub trait Conductor {
         false
     }
 
+    /// Asked on each rank before the end of a graph after which particles may move: whether the program is to stop with it,
+    /// for a reason that this rank may know alone. All learn it of [`Relocation::stopped`].
+    fn wants_to_stop(&mut self) -> bool {
+        false
+    }
+
     /// A graph has run, and its reductions are complete; particles that change their block have not moved yet, and those
     /// outside of the level are still there.
     ///
@@ -177,11 +183,12 @@ impl Engine {
             self.reduce(graph, None, &mut warehouse.shared, network)?;
             return conductor.ran(graph, warehouse, &Relocation::default());
         }
+        let stop = conductor.wants_to_stop();
         let mut puts_back = |particle: &mut Traveler, materials: &[MaterialData], shared: &mut Shared| {
             conductor.puts_back(particle, materials, shared)
         };
         self.backend.download(Purpose::Relocation, &mut Blocks::of(warehouse));
-        let relocation = self.relocate(graph, warehouse, network, &mut puts_back)?;
+        let relocation = self.relocate(graph, warehouse, network, &mut puts_back, stop)?;
         conductor.ran(graph, warehouse, &relocation)?;
         self.metered(What::Relocation, || relocation.carry_out(warehouse));
         self.backend.upload(Purpose::Relocation, &mut Blocks::of(warehouse));

@@ -26,6 +26,8 @@ pub struct Transit<'a> {
     pub graph: &'a TaskGraph,
     /// What becomes of particles outside of the level.
     pub leaving: &'a mut Leaving<'a>,
+    /// Whether this rank wants all of them to stop.
+    pub stop: bool,
     /// What is done when.
     pub trace: &'a Recorder,
 }
@@ -41,14 +43,17 @@ pub struct Relocation {
     far: Vec<u64>,
     /// Whether a block somewhere becomes occupied; or is left by all, where nodes keep something around it.
     news: bool,
+    /// Whether any rank wants all of them to stop.
+    pub stopped: bool,
     /// Particles here, of the materials that moved.
     pub particles: u64,
     /// Particles that came back into the level, on all ranks.
     pub reflected: u64,
 }
 
-/// Indices of [`Counters`].
+/// Indices of [`Counters`]. Ranks that have news are counted in units of one, those that want to stop in units of `STOP`.
 const NEWS: usize = 0;
+const STOP: u64 = 1 << 32;
 const FAR: usize = 1;
 const SENT: usize = 2;
 const SENT_WHO: usize = 3;
@@ -83,8 +88,10 @@ impl Relocation {
         way.trace.record(0, began, Event::other(Kind::Relocate));
         if way.network.size() == 1 {
             relocation.arriving = travelers;
+            relocation.stopped = way.stop;
         } else {
             let mut counters = Counters::default();
+            counters[NEWS] = if way.stop { STOP } else { 0 };
             for op in END {
                 match op {
                     Op::SendTravelers => {
@@ -194,7 +201,7 @@ impl Relocation {
         trace.record(0, began, Event::travelers());
         messages.iter().for_each(|message| self.take_in(warehouse, unpack(message), counters));
         let known = |t: &Traveler| warehouse.is_occupied(t.material, t.position);
-        counters[NEWS] = u64::from(self.news || !self.arriving.iter().all(known));
+        counters[NEWS] += u64::from(self.news || !self.arriving.iter().all(known));
         counters[LEFT] = self.left.len() as u64;
         counters[REFLECTED] = self.reflected;
         Ok(())
@@ -219,7 +226,8 @@ impl Relocation {
             self.share_left(warehouse, network)?;
         }
         self.reflected = counters[REFLECTED];
-        self.news = counters[NEWS] > 0 || counters[FAR] > 0;
+        self.stopped = counters[NEWS] >= STOP;
+        self.news = counters[NEWS] & (STOP - 1) > 0 || counters[FAR] > 0;
         if counters[SENT] != counters[CAME] || counters[SENT_WHO] != counters[CAME_WHO] {
             return Err(NetworkError::Particles { sent: counters[SENT], came: counters[CAME] });
         }

@@ -245,7 +245,7 @@ impl Engine {
     }
 
     /// Finds the particles that have to move after a tick of `graph`, and completes its reductions. `leaving` says what
-    /// becomes of particles outside of the level.
+    /// becomes of particles outside of the level, and `stop` whether this rank wants all to stop.
     ///
     /// # Errors
     /// If a rank or a particle is gone.
@@ -255,9 +255,11 @@ impl Engine {
         warehouse: &mut Warehouse,
         network: &mut dyn Network,
         leaving: &mut Leaving<'_>,
+        stop: bool,
     ) -> Result<Relocation, NetworkError> {
         let moved = |material: usize| self.schedule.ends(material);
-        let mut way = Transit { network, neighbors: &self.neighbors, graph, leaving, trace: &self.trace };
+        let mut way =
+            Transit { network, neighbors: &self.neighbors, graph, leaving, stop, trace: &self.trace };
         let prepare = || Relocation::prepare(warehouse, &mut way, moved);
         self.metered(What::Relocation, prepare)
     }

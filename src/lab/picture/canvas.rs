@@ -1,4 +1,5 @@
 //! Pixels: anti-aliased discs, strokes and boxes over white.
+use crate::output::create::create;
 use crate::output::error::{Error, Result, io};
 use std::io::BufWriter;
 use std::ops::Range;
@@ -96,7 +97,7 @@ impl Canvas {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let file = std::fs::File::create(path).map_err(io("create", path))?;
+        let file = create(path)?;
         let mut encoder = png::Encoder::new(BufWriter::new(file), self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);

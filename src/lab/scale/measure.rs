@@ -213,7 +213,8 @@ fn child(
 }
 
 /// No output that takes time.
-const QUIET: [&str; 2] = ["output.frames=0", "output.history-every=1000000000"];
+const QUIET: [&str; 3] =
+    ["output.frames=0", "output.history-every=1000000000", "output.checkpoint.final=false"];
 
 fn command(plan: &Plan, ranks: usize) -> Result<Command, String> {
     if ranks == 1 {

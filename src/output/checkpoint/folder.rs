@@ -1,7 +1,9 @@
 //! The checkpoints in a run's folder.
-use super::seal;
+use crate::output::create::remove;
 use crate::output::error::{Error, Result, io};
+use crate::output::seal;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The file of a checkpoint after `steps` steps.
@@ -25,10 +27,11 @@ fn steps(path: &Path) -> Option<u64> {
     path.file_name()?.to_str()?.strip_prefix("checkpoint-")?.strip_suffix(".h5")?.parse().ok()
 }
 
-/// The checkpoints in a folder, the latest first, whether whole or not.
+/// The checkpoints in a folder, the latest first, whether whole or not. Folders and pipes of such a name are none.
 pub fn list(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut found: Vec<_> = entries.filter_map(|e| Some((steps(&e.path())?, e.path()))).collect();
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let files = entries.filter(|path| path.is_file());
+    let mut found: Vec<_> = files.filter_map(|path| Some((steps(&path)?, path))).collect();
     found.sort_by(|a, b| b.cmp(a));
     found.into_iter().map(|(_, path)| path).collect()
 }
@@ -38,7 +41,7 @@ pub fn list(folder: &Path) -> Vec<PathBuf> {
 pub struct Found {
     /// Its file.
     pub path: PathBuf,
-    /// Later ones that are damaged.
+    /// Later ones that are damaged, but for files that never were checkpoints.
     pub damaged: Vec<PathBuf>,
     /// What is wrong with these, in words.
     pub warnings: Vec<String>,
@@ -52,10 +55,10 @@ pub fn last_whole(folder: &Path) -> Result<Found> {
     let (mut damaged, mut warnings) = (Vec::new(), Vec::new());
     for path in list(folder) {
         match seal::verify(&path) {
-            Ok(()) => return Ok(Found { path, damaged, warnings }),
+            Ok(_) => return Ok(Found { path, damaged, warnings }),
             Err(error) => {
                 warnings.push(error.to_string());
-                damaged.push(path);
+                damaged.extend(is_hdf5(&path).then_some(path));
             }
         }
     }
@@ -64,6 +67,13 @@ pub fn last_whole(folder: &Path) -> Result<Found> {
         reasons => format!("holds no whole checkpoint: {}", reasons.join("; ")),
     };
     Err(Error::Content { path: folder.into(), problem })
+}
+
+/// Whether a file begins as HDF5 does.
+fn is_hdf5(path: &Path) -> bool {
+    let mut begin = [0; 8];
+    let read = fs::File::open(path).and_then(|mut file| file.read_exact(&mut begin));
+    read.is_ok() && begin == *b"\x89HDF\r\n\x1a\n"
 }
 
 /// Renames damaged checkpoints, so that nobody takes them for one, and removes unfinished ones.
@@ -85,13 +95,13 @@ pub fn set_aside(folder: &Path, damaged: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
-/// Deletes all but the last `kept` checkpoints.
+/// Deletes all but the last `kept` checkpoints. What only has such a name neither counts nor goes.
 ///
 /// # Errors
 /// If one cannot be deleted.
 pub fn prune(folder: &Path, kept: usize) -> Result<()> {
-    for path in list(folder).into_iter().skip(kept) {
-        fs::remove_file(&path).map_err(io("remove", &path))?;
+    for path in list(folder).into_iter().filter(|path| seal::stated(path).is_ok()).skip(kept) {
+        remove(&path)?;
     }
     Ok(())
 }

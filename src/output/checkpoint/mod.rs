@@ -6,14 +6,13 @@
 mod fill;
 mod folder;
 mod reader;
-pub mod seal;
 mod state;
 mod writer;
 
 pub use fill::fill;
 pub use folder::{Found, discard, last_whole, list, path, prune, set_aside};
 pub use reader::Reader;
-pub use state::write;
+pub use state::{parts, write};
 pub use writer::Writer;
 
 /// Version of the format.

@@ -1,6 +1,8 @@
 //! Reads a checkpoint back.
-use super::{BlockRow, FORMAT, Head, Recorded, Table, name, seal};
+use super::{BlockRow, FORMAT, Head, Recorded, Table, name};
 use crate::output::error::{self, Error, Result};
+use crate::output::seal;
+use crate::output::stored::{self, Virtual};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
 use std::ops::Range;
@@ -30,9 +32,7 @@ impl Reader {
     /// # Errors
     /// If the file is missing, or of another format.
     pub fn open_verified(path: &Path) -> Result<Self> {
-        let mut file = File::with_options();
-        file.with_fapl(|access| access.file_locking(false));
-        let file = file.open(path).map_err(error::hdf5("open", path))?;
+        let file = stored::open(path, Virtual::Refused)?;
         let content = |problem: String| Error::Content { path: path.into(), problem };
         let format: u32 = number(&file, name::FORMAT)
             .map_err(|source| content(format!("not a checkpoint of Sinew ({source})")))?;

@@ -56,17 +56,18 @@ impl Head {
     }
 }
 
-/// Writes the checkpoint at `path` from rank 0. All ranks call it.
+/// Writes the checkpoint at `path` from rank 0, with the parts that each rank gives: those of a warehouse ([`parts`]), or kept
+/// ones. All ranks call it.
 ///
 /// # Errors
 /// If the file cannot be written: on all ranks.
 pub fn write(
     network: &mut dyn Network,
-    warehouse: &Warehouse,
+    give: impl FnOnce(&mut dyn FnMut(Part)),
     path: &Path,
     head: &Head,
 ) -> output::Result<()> {
-    let written = write_parts(network, warehouse, path, head);
+    let written = write_parts(network, give, path, head);
     if written.is_err() && network.rank() == 0 {
         discard(path);
     }
@@ -107,7 +108,7 @@ pub(super) fn labels(layout: &ParticleLayout) -> Vec<(String, usize)> {
 
 fn write_parts(
     network: &mut dyn Network,
-    warehouse: &Warehouse,
+    give: impl FnOnce(&mut dyn FnMut(Part)),
     path: &Path,
     head: &Head,
 ) -> output::Result<()> {
@@ -123,12 +124,12 @@ fn write_parts(
             writer = Err(error);
         }
     };
-    parcel::collect(network, |give| parts(warehouse, give), take)?;
+    parcel::collect(network, give, take)?;
     writer?.map_or(Ok(()), Writer::finish)
 }
 
 /// This rank's particles, material by material, patch by patch; then its nodes, field by field.
-fn parts(warehouse: &Warehouse, give: &mut dyn FnMut(Part)) {
+pub fn parts(warehouse: &Warehouse, give: &mut dyn FnMut(Part)) {
     for (material, data) in warehouse.materials.iter().enumerate() {
         let layout = &data.layout;
         let mut parts = Parts::new(material, layout.labels().count(), &mut *give);

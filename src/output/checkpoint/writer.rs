@@ -1,7 +1,8 @@
 //! Writes a checkpoint part by part.
-use super::{FORMAT, Head, Part, name, seal};
+use super::{FORMAT, Head, Part, name};
+use crate::output::create::create;
 use crate::output::error::{self, Result};
-use crate::output::space;
+use crate::output::{seal, space, stored};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::ArrayView2;
@@ -37,13 +38,10 @@ impl Writer {
     /// If the disk is full or the folder cannot be written.
     pub fn create(path: &Path, head: &Head) -> Result<Self> {
         let aside = super::folder::aside(path);
-        std::fs::File::create(&aside).map_err(error::io("create", &aside))?;
+        create(&aside)?;
         space::reserve(&aside, SLACK)?;
+        let file = stored::create(&aside)?;
         let wrong = error::hdf5("create", &aside);
-        let mut file = File::with_options();
-        // a file system without locks is no reason to fail: nobody else knows this name
-        file.with_fapl(|access| access.file_locking(false));
-        let file = file.create(&aside).map_err(&wrong)?;
         let tables = lay_out(&file, head).and_then(|tables| file.flush().map(|()| tables));
         let tables = tables.map_err(wrong)?;
         space::reserve(&aside, room(head))?;
@@ -70,10 +68,10 @@ impl Writer {
         file.close().map_err(error::hdf5("close", &aside))?;
         space::trim(&aside, length)?;
         seal::seal(&aside)?;
+        seal::sync(&aside)?;
         std::fs::rename(&aside, &path).map_err(error::io("rename", &aside))?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let folder_on_disk = std::fs::File::open(folder).and_then(|folder| folder.sync_all());
-        folder_on_disk.map_err(error::io("write", folder))
+        seal::sync(folder)
     }
 }
 

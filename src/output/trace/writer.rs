@@ -1,4 +1,5 @@
 //! Writes the events of all ranks, piece by piece, so that no rank ever holds those of all.
+use crate::output::create::create;
 use crate::output::error::{Result, io};
 use engine::exec::ranks::{Network, collective, pack, unpack};
 use engine::exec::trace::{Event, Kind, NONE, Recorder, TRAVELERS, Track};
@@ -86,7 +87,7 @@ struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     fn create(path: &'a Path, graphs: &'a [&'a TaskGraph], ranks: usize) -> Result<Self> {
-        let file = File::create(path).map_err(io("create", path))?;
+        let file = create(path)?;
         let mut stages = HashMap::new();
         for (graph, it) in graphs.iter().enumerate() {
             for (number, phase) in it.phases.iter().enumerate() {

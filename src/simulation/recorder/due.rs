@@ -39,15 +39,15 @@ pub struct Checkpoints {
     last: Instant,
     /// Intervals of simulated time that had passed at the last step.
     passed: usize,
-    /// Whether this run has written one.
-    any: bool,
+    /// Seconds that the last one took.
+    pub took: Option<f64>,
 }
 
 impl Checkpoints {
     /// From a time on.
     pub fn begin(time: f64, wanted: &Checkpoint) -> Self {
         let passed = wanted.time.map_or(0, |every| passed(time, every));
-        Self { last: Instant::now(), passed, any: false }
+        Self { last: Instant::now(), passed, took: None }
     }
 
     /// Whether one is due after a step: the same on all ranks.
@@ -55,8 +55,7 @@ impl Checkpoints {
         let passed = wanted.time.map_or(0, |every| passed(time, every));
         let by_time = std::mem::replace(&mut self.passed, passed) < passed;
         let by_steps = wanted.steps.is_some_and(|every| steps.is_multiple_of(every));
-        let at_end = finished && (self.any || wanted.steps.is_some() || wanted.time.is_some());
-        by_time || by_steps || at_end
+        by_time || by_steps || (finished && wanted.at_end)
     }
 
     /// Whether one is due by this rank's clock.
@@ -64,9 +63,9 @@ impl Checkpoints {
         wanted.wall > 0.0 && self.last.elapsed().as_secs_f64() >= wanted.wall
     }
 
-    /// After one is written.
-    pub fn written(&mut self) {
-        (self.last, self.any) = (Instant::now(), true);
+    /// After one that took so many seconds is written.
+    pub fn written(&mut self, took: f64) {
+        (self.last, self.took) = (Instant::now(), Some(took));
     }
 }
 
@@ -74,7 +73,7 @@ impl Checkpoints {
 mod tests {
     use super::*;
 
-    const NEVER: Checkpoint = Checkpoint { steps: None, time: None, wall: 0.0, kept: 2 };
+    const NEVER: Checkpoint = Checkpoint { steps: None, time: None, wall: 0.0, kept: 2, at_end: true };
 
     /// The steps of 0.3 s after which one is due; the 20th is the last.
     fn due(wanted: &Checkpoint) -> Vec<u64> {
@@ -84,7 +83,9 @@ mod tests {
 
     #[test]
     fn checkpoints_are_due_by_steps_by_time_and_at_the_end() {
-        assert!(due(&NEVER).is_empty());
+        assert_eq!(due(&NEVER), [20]);
+        assert!(due(&Checkpoint { at_end: false, ..NEVER }).is_empty());
+        assert_eq!(due(&Checkpoint { at_end: false, steps: Some(8), ..NEVER }), [8, 16]);
         assert_eq!(due(&Checkpoint { steps: Some(8), ..NEVER }), [8, 16, 20]);
         // 1.5 s are passed with step 5, not with step 6
         assert_eq!(due(&Checkpoint { time: Some(1.5), ..NEVER }), [5, 10, 15, 20]);
@@ -106,8 +107,8 @@ mod tests {
         assert!(!checkpoints.by_clock(&NEVER));
         std::thread::sleep(std::time::Duration::from_millis(1));
         assert!(checkpoints.by_clock(&wanted));
-        checkpoints.written();
+        checkpoints.written(0.5);
+        assert_eq!(checkpoints.took, Some(0.5));
         assert!(!checkpoints.by_clock(&Checkpoint { wall: 3600.0, ..NEVER }));
-        assert!(checkpoints.by_step(20, 6.0, true, &wanted), "a run that had one has one at the end");
     }
 }

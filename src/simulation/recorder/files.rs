@@ -1,17 +1,40 @@
 //! The files of a run, on the rank that has them.
 use super::rows;
 use crate::output::checkpoint::{self, Head};
+use crate::output::create::{remove, write_whole};
 use crate::output::history::History;
-use crate::output::{self, summary, vtkhdf};
+use crate::output::{self, vtkhdf};
 use scene::Scene;
 use std::path::{Path, PathBuf};
 
-/// The files that make a folder a run's, but for checkpoints.
-const FILES: [&str; 4] = ["scene.toml", "summary.json", "history.csv", "particles.vtkhdf"];
+const SCENE: &str = "scene.toml";
+const HISTORY: &str = "history.csv";
+const PARTICLES: &str = "particles.vtkhdf";
+/// The file that a run writes at its end.
+pub const SUMMARY: &str = "summary.json";
+/// The files of a run, but for checkpoints and frames.
+const FILES: [&str; 4] = [HISTORY, SUMMARY, PARTICLES, SCENE];
 
-/// Whether a folder holds a run.
-pub fn holds_run(folder: &Path) -> bool {
-    FILES.iter().any(|file| folder.join(file).exists()) || !checkpoint::list(folder).is_empty()
+/// What a folder holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// Nothing of a run.
+    Nothing,
+    /// A scene that no run left there.
+    Scene,
+    /// A run, or a part of one.
+    Run,
+}
+
+/// What a folder holds. Links count, whatever they point to.
+pub fn held(folder: &Path) -> Held {
+    let there = |file: &&&str| std::fs::symlink_metadata(folder.join(file)).is_ok();
+    let checkpoints = || !checkpoint::list(folder).is_empty();
+    match FILES.iter().find(there) {
+        Some(&SCENE) if !checkpoints() => Held::Scene,
+        None if !checkpoints() => Held::Nothing,
+        _ => Held::Run,
+    }
 }
 
 /// The open ones.
@@ -30,15 +53,18 @@ impl Files {
     pub fn create(folder: &Path, scene: &Scene) -> output::Result<Self> {
         let cannot = |source| output::Error::Io { action: "create", path: folder.into(), source };
         std::fs::create_dir_all(folder).map_err(cannot)?;
-        let files = FILES.iter().map(|file| folder.join(file)).filter(|file| file.exists());
+        let files = FILES.iter().map(|file| folder.join(file));
         for file in files.chain(checkpoint::list(folder)) {
-            std::fs::remove_file(&file).map_err(cannot)?;
+            remove(&file)?;
         }
-        summary::write_whole(&folder.join("scene.toml"), scene.resolved.as_bytes())?;
-        let history = History::create(&folder.join("history.csv"), &rows::columns(scene))?;
+        let index = folder.join(PARTICLES);
+        vtkhdf::remove_frames(&index)?;
+        // a folder with a scene and no history holds somebody's scene: see `Held::Scene`
+        let history = History::create(&folder.join(HISTORY), &rows::columns(scene))?;
+        write_whole(&folder.join(SCENE), scene.resolved.as_bytes())?;
         let particles = match scene.output.frames {
             0 => None,
-            _ => Some(vtkhdf::Writer::create(&folder.join("particles.vtkhdf"))?),
+            _ => Some(vtkhdf::Writer::create(&index)?),
         };
         Ok(Self { history, particles })
     }
@@ -56,29 +82,21 @@ impl Files {
         dropped: [bool; 2],
         damaged: &[PathBuf],
     ) -> output::Result<(Self, Vec<String>)> {
-        let mut warnings = Vec::new();
+        let (index, mut warnings) = (folder.join(PARTICLES), Vec::new());
+        // what is refused is refused before anything is changed
+        vtkhdf::refuse_link(&index)?;
+        let end = if dropped[0] { head.time.next_down() } else { head.time };
+        let history = resume_history(&folder.join(HISTORY), scene, end, &mut warnings)?;
         checkpoint::set_aside(folder, damaged)?;
-        let summary = folder.join("summary.json");
-        if summary.exists() {
-            std::fs::remove_file(&summary).map_err(output::io("remove", &summary))?;
-        }
-        summary::write_whole(&folder.join("scene.toml"), scene.resolved.as_bytes())?;
-        let (path, columns) = (folder.join("history.csv"), rows::columns(scene));
-        let history = match path.exists() {
-            true => {
-                History::resume(&path, &columns, if dropped[0] { head.time.next_down() } else { head.time })?
-            }
-            false => {
-                warnings.push(format!("{} is missing: it begins anew", path.display()));
-                History::create(&path, &columns)?
-            }
-        };
+        remove(&folder.join(SUMMARY))?;
+        write_whole(&folder.join(SCENE), scene.resolved.as_bytes())?;
         let particles = match scene.output.frames {
             0 => None,
             _ => {
-                let frames =
-                    head.recorded.frames as usize - usize::from(dropped[1] && head.recorded.frames > 0);
-                Some(resume_frames(&folder.join("particles.vtkhdf"), frames, &mut warnings)?)
+                let frames = head.recorded.frames.saturating_sub(dropped[1].into());
+                let (writer, problems) = vtkhdf::Writer::resume(&index, frames)?;
+                warnings.extend(problems);
+                Some(writer)
             }
         };
         Ok((Self { history, particles }, warnings))
@@ -88,24 +106,31 @@ impl Files {
     ///
     /// # Errors
     /// If it does not take it.
-    pub fn sync(&self) -> output::Result<()> {
+    pub fn sync(&mut self) -> output::Result<()> {
         self.history.sync()?;
-        self.particles.as_ref().map_or(Ok(()), vtkhdf::Writer::sync)
+        self.particles.as_mut().map_or(Ok(()), vtkhdf::Writer::sync)
     }
 }
 
-/// The particle file; a damaged one is set aside.
-fn resume_frames(path: &Path, frames: usize, warnings: &mut Vec<String>) -> output::Result<vtkhdf::Writer> {
-    if !path.exists() {
-        if frames > 0 {
-            warnings.push(format!("{} is missing: it begins anew", path.display()));
-        }
-        return vtkhdf::Writer::create(path);
-    }
-    vtkhdf::Writer::resume(path, frames).or_else(|error| {
-        let aside = path.with_added_extension("damaged");
-        std::fs::rename(path, &aside).map_err(output::io("rename", path))?;
-        warnings.push(format!("{error}. It is now {}, and frames begin anew", aside.display()));
-        vtkhdf::Writer::create(path)
-    })
+/// The history until a time [s]; a damaged one is set aside.
+fn resume_history(
+    path: &Path,
+    scene: &Scene,
+    end: f64,
+    warnings: &mut Vec<String>,
+) -> output::Result<History> {
+    let columns = rows::columns(scene);
+    let problem = match std::fs::symlink_metadata(path) {
+        Err(_) => format!("{} is missing", path.display()),
+        Ok(_) => match History::resume(path, &columns, end) {
+            Err(output::Error::Content { .. }) => {
+                let aside = path.with_added_extension("damaged");
+                std::fs::rename(path, &aside).map_err(output::io("rename", path))?;
+                format!("{} is damaged, and now {}", path.display(), aside.display())
+            }
+            history => return history,
+        },
+    };
+    warnings.push(format!("{problem}: it begins anew"));
+    History::create(path, &columns)
 }

@@ -1,20 +1,23 @@
 //! The folder of a run: scene, history, frames, checkpoints and summary. All ranks call what is here, rank 0 alone has
 //! the files.
+mod backup;
 mod due;
 mod files;
 mod rows;
 mod summarize;
 
 use super::Simulation;
+use super::watch::Watch;
 use crate::output::checkpoint::{self, Head, Reader, Recorded};
 use crate::output::frame;
 use crate::output::summary::{Status, Summary};
 use crate::output::{self, vtkhdf};
 use crate::output::{parcel, together};
+use backup::Backup;
 use due::Checkpoints;
 use engine::exec::ranks::{Network, collective};
 use files::Files;
-pub use files::holds_run;
+pub use files::{Held, held};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use summarize::Ending;
@@ -34,6 +37,12 @@ pub struct Recorder {
     before: Recorded,
     /// Seconds spent on output, without those before a restart.
     pub output_s: f64,
+    watch: Watch,
+    backup: Backup,
+    /// All warnings so far.
+    warnings: Vec<String>,
+    /// How many of them were told.
+    told: usize,
 }
 
 /// What to do after a step.
@@ -70,9 +79,8 @@ pub fn last_checkpoint(
         _ => Ok(None),
     };
     let found = together::agree(network, found)?;
-    let name = found.as_ref().map_or_else(String::new, |found| found.path.to_string_lossy().into_owned());
-    let name = collective::text_from_first(network, &name)?;
-    let path = found.as_ref().map_or_else(|| PathBuf::from(name), |found| found.path.clone());
+    let path = found.as_ref().map_or_else(PathBuf::new, |found| found.path.clone());
+    let path = together::path_from_first(network, &path)?;
     let reader = together::agree(network, Reader::open_verified(&path))?;
     let none = checkpoint::Found { path, damaged: Vec::new(), warnings: Vec::new() };
     Ok((reader, found.unwrap_or(none)))
@@ -90,7 +98,7 @@ impl Recorder {
         };
         let files = together::agree(simulation.network(), files)?;
         let mut recorder = Self::new(folder, simulation, files);
-        recorder.row(simulation)?;
+        recorder.row(simulation, true)?;
         recorder.frame(simulation)?;
         Ok(recorder)
     }
@@ -126,7 +134,20 @@ impl Recorder {
     fn new(folder: &Path, simulation: &Simulation, files: Option<Files>) -> Self {
         let checkpoints = Checkpoints::begin(simulation.clock().time, &simulation.scene.output.checkpoint);
         let (folder, began, before) = (folder.to_owned(), Instant::now(), Recorded::default());
-        Self { folder, files, due: 0, checkpoints, last: [false; 2], began, before, output_s: 0.0 }
+        Self {
+            folder,
+            files,
+            due: 0,
+            checkpoints,
+            last: [false; 2],
+            began,
+            before,
+            output_s: 0.0,
+            watch: Watch::default(),
+            backup: Backup::new(),
+            warnings: Vec::new(),
+            told: 0,
+        }
     }
 
     /// After a step: a row, a frame and a checkpoint, if they are due. A run that is `interrupted` on any rank gets a
@@ -139,7 +160,7 @@ impl Recorder {
         let row = simulation.steps().is_multiple_of(simulation.scene.output.history_every.max(1));
         let frame = due::frame(simulation.clock().time, self.due, &simulation.scene);
         if row || finished {
-            self.row(simulation)?;
+            self.row(simulation, row)?;
         }
         if frame || finished {
             self.frame(simulation)?;
@@ -149,22 +170,30 @@ impl Recorder {
         let (steps, time) = (simulation.steps(), simulation.clock().time);
         let by_step = self.checkpoints.by_step(steps, time, finished, &wanted);
         let by_clock = simulation.network().rank() == 0 && self.checkpoints.by_clock(&wanted);
-        // one message for both: whom a signal reached, and what the clock of rank 0 says
-        let mut wishes = [u64::from(interrupted), u64::from(by_clock)];
+        let keep = simulation.network().rank() == 0 && self.backup.is_due(simulation);
+        // one message for all: whom a signal reached, and what clock and memory of rank 0 say
+        let mut wishes = [interrupted, by_clock, keep].map(u64::from);
         collective::sum(simulation.network(), &mut wishes)?;
         let stop = wishes[0] > 0 && !finished;
         if by_step || wishes[1] > 0 || stop {
             self.checkpoint(simulation)?;
+        } else if wishes[2] > 0 && !finished {
+            let recorded = self.recorded();
+            self.backup.keep(simulation, recorded)?;
         }
         Ok(if stop { Next::Stop } else { Next::Go })
     }
 
-    fn row(&mut self, simulation: &mut Simulation) -> output::Result<()> {
+    /// A row; one that does not stay is there only because the run ends, and a run that goes further knows nothing of it.
+    fn row(&mut self, simulation: &mut Simulation, stays: bool) -> output::Result<()> {
         let began = Instant::now();
-        let report = simulation.report()?;
+        let report = if stays { simulation.report()? } else { simulation.peek()? };
         let written = self.files.as_mut().map_or(Ok(()), |files| files.history.row(&rows::cells(&report)));
         together::agree(simulation.network(), written)?;
-        simulation.mark_row();
+        self.warnings.extend(self.watch.look(simulation, &report)?);
+        if stays {
+            simulation.mark_row();
+        }
         self.output_s += began.elapsed().as_secs_f64();
         Ok(())
     }
@@ -185,23 +214,39 @@ impl Recorder {
     fn checkpoint(&mut self, simulation: &mut Simulation) -> output::Result<()> {
         let began = Instant::now();
         // what a checkpoint counts on must be on the disk before it
-        let synced = self.files.as_ref().map_or(Ok(()), Files::sync);
+        let synced = self.files.as_mut().map_or(Ok(()), Files::sync);
         together::agree(simulation.network(), synced)?;
+        simulation.write_checkpoint(&self.folder, self.recorded())?;
+        let kept = simulation.scene.output.checkpoint.kept;
+        let pruned = self.files.as_ref().map_or(Ok(()), |_| checkpoint::prune(&self.folder, kept));
+        together::agree(simulation.network(), pruned)?;
+        let took = began.elapsed().as_secs_f64();
+        self.checkpoints.written(took);
+        self.output_s += took;
+        Ok(())
+    }
+
+    /// How far the files have come.
+    fn recorded(&self) -> Recorded {
         let frames = self.files.as_ref().and_then(|files| files.particles.as_ref()).map_or(0, |f| f.frames());
-        let recorded = Recorded {
-            frames: frames as u64,
+        Recorded {
+            frames,
             due: self.due as u64,
             last: self.last,
             wall_s: self.wall_s(),
             output_s: self.before.output_s + self.output_s,
-        };
-        simulation.write_checkpoint(&self.folder, recorded)?;
-        let kept = simulation.scene.output.checkpoint.kept;
-        let pruned = self.files.as_ref().map_or(Ok(()), |_| checkpoint::prune(&self.folder, kept));
-        together::agree(simulation.network(), pruned)?;
-        self.checkpoints.written();
-        self.output_s += began.elapsed().as_secs_f64();
-        Ok(())
+        }
+    }
+
+    /// Warnings that were not asked for before.
+    pub fn warnings(&mut self) -> &[String] {
+        let told = std::mem::replace(&mut self.told, self.warnings.len());
+        &self.warnings[told..]
+    }
+
+    /// Seconds that a checkpoint takes, if one was written.
+    pub fn checkpoint_s(&self) -> Option<f64> {
+        self.checkpoints.took
     }
 
     /// Seconds on the clock, with those before a restart.
@@ -219,16 +264,20 @@ impl Recorder {
             End::Interrupted => (Status::Interrupted, None),
             End::Failed(error) => {
                 // the error that matters is the one that ended the run
+                let backup = std::mem::replace(&mut self.backup, Backup::new());
+                let _ = backup.write(&self.folder, simulation);
                 let _ = self.frame(simulation);
                 (Status::Failed, Some(error))
             }
         };
-        let writer = self.files.as_mut().and_then(|files| files.particles.take());
-        together::agree(simulation.network(), writer.map_or(Ok(()), vtkhdf::Writer::close))?;
+        let synced = self.files.as_mut().map_or(Ok(()), Files::sync);
+        together::agree(simulation.network(), synced)?;
         let wall_s = self.wall_s();
         let stepping_s = wall_s - self.output_s - self.before.output_s;
-        let summary = summarize::summarize(simulation, Ending { status, error, wall_s, stepping_s })?;
-        let path = self.folder.join("summary.json");
+        let warnings = std::mem::take(&mut self.warnings);
+        let ending = Ending { status, error, warnings, wall_s, stepping_s };
+        let summary = summarize::summarize(simulation, ending)?;
+        let path = self.folder.join(files::SUMMARY);
         let written = self.files.map_or(Ok(()), |_| summary.write(&path));
         together::agree(simulation.network(), written)?;
         Ok(summary)

@@ -12,6 +12,8 @@ pub struct Ending {
     pub status: Status,
     /// The error that ended it.
     pub error: Option<String>,
+    /// What it has warned of.
+    pub warnings: Vec<String>,
     /// Seconds on the clock, with those before a restart.
     pub wall_s: f64,
     /// Seconds of these that steps took.
@@ -23,7 +25,7 @@ pub struct Ending {
 /// # Errors
 /// If a rank is gone.
 pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<Summary> {
-    let Ending { status, error, wall_s, stepping_s } = ending;
+    let Ending { status, error, warnings, wall_s, stepping_s } = ending;
     let report = simulation.report()?;
     let energy = report.energy();
     let [particle_bytes, node_bytes, peak_bytes, updates] = over_ranks(simulation)?;
@@ -47,6 +49,9 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
         ("ticks", simulation.ticks().into()),
         ("updates", updates.into()),
     ]);
+    if !warnings.is_empty() {
+        more.insert("warnings", serde_json::json!(warnings));
+    }
     let others = first_events(&report, |event| !is_failure(event));
     if !others.is_empty() {
         more.insert("first_event", serde_json::json!(others));

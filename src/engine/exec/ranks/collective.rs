@@ -147,16 +147,16 @@ pub fn share(network: &mut dyn Network, words: &[u64]) -> Result<Vec<Vec<u64>>, 
     Ok(lists)
 }
 
-/// A text of rank 0, on all ranks.
+/// What rank 0 says, on all ranks.
 ///
 /// # Errors
 /// If a rank is gone.
-pub fn text_from_first(network: &mut dyn Network, text: &str) -> Result<String, NetworkError> {
+pub fn bytes_from_first(network: &mut dyn Network, bytes: &[u8]) -> Result<Vec<u8>, NetworkError> {
     let mut words = Vec::new();
-    put(&mut words, text.as_bytes());
+    put(&mut words, bytes);
     let mut message = pack(&words);
     broadcast(network, &mut message)?;
-    Ok(text_of(unpack(&message)))
+    Ok(take::<u8>(&mut unpack(&message)))
 }
 
 /// The first rank that failed, and why, if one did; the same on all ranks.

@@ -101,6 +101,9 @@ pub trait Network {
         true
     }
 
+    /// The first rank calls it last in a run that a signal ended in good order, so that the launcher ends with this status.
+    fn end_by_signal(&mut self, _status: i32) {}
+
     /// Ends all ranks at once, where they cannot agree on an end.
     fn abort(&mut self, status: i32) {
         std::process::exit(status);

@@ -77,6 +77,11 @@ impl Mpi {
         })
     }
 
+    /// Whether the launcher forgets how ranks ended once it has passed a signal on to them (Hydra, of MPICH).
+    pub fn forgets(&self) -> bool {
+        mpi::environment::library_version().is_ok_and(|name| name.contains("MPICH"))
+    }
+
     /// What MPI grants to the threads of this process.
     pub fn threading(&self) -> Threading {
         self.threading
@@ -330,6 +335,14 @@ impl Network for Mpi {
             self.reap();
         }
         self.parted && self.sends.is_empty()
+    }
+
+    fn end_by_signal(&mut self, status: i32) {
+        if self.forgets() {
+            self.part(None);
+            // that it does not forget
+            self.world.abort(status);
+        }
     }
 
     fn abort(&mut self, status: i32) {

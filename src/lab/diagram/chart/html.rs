@@ -34,8 +34,8 @@ impl Chart<'_> {
         });
         // JSON that is neither markup nor the end of the script, whatever the scene's names are
         let data = data.to_string().replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e");
-        let page = PAGE.replace("@TITLE@", &escape(title)).replace("@PICTURES@", &pictures);
-        Ok(page.replace("@DATA@", &data))
+        let title = escape(title);
+        Ok(fill(PAGE, &[("TITLE@", &title), ("PICTURES@", &pictures), ("DATA@", &data)]))
     }
 
     /// The tasks of a graph, and what else the page tells about it in any form.
@@ -66,4 +66,23 @@ impl Chart<'_> {
             "costs": if measured { "measured, where the trace has it" } else { ESTIMATE },
         })
     }
+}
+
+/// Puts texts into the places of a page: what a text says is no place.
+fn fill(page: &str, places: &[(&str, &str)]) -> String {
+    let (mut filled, mut rest) = (String::new(), page);
+    while let Some((before, after)) = rest.split_once('@') {
+        filled += before;
+        match places.iter().find(|(name, _)| after.starts_with(name)) {
+            Some((name, text)) => {
+                filled += text;
+                rest = &after[name.len()..];
+            }
+            None => {
+                filled.push('@');
+                rest = after;
+            }
+        }
+    }
+    filled + rest
 }

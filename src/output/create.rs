@@ -1,0 +1,65 @@
+//! Files of one's own: made anew, never written through a link to somewhere else.
+use super::error::{Result, io};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self as std_io, ErrorKind, Write};
+use std::path::Path;
+
+/// A new, empty file. What had its name before, a symbolic link among others, is removed, and not what that pointed to. Devices stay, and
+/// are written to.
+///
+/// # Errors
+/// If the folder cannot be written, or a folder has that name.
+pub fn create(path: &Path) -> Result<File> {
+    let made = || -> std_io::Result<File> {
+        if is_device(path) {
+            return OpenOptions::new().write(true).open(path);
+        }
+        vanish(path)?;
+        OpenOptions::new().write(true).create_new(true).open(path)
+    };
+    made().map_err(io("create", path))
+}
+
+/// Removes a file or a link, if there is one.
+///
+/// # Errors
+/// If it cannot be removed.
+pub fn remove(path: &Path) -> Result<()> {
+    vanish(path).map_err(io("remove", path))
+}
+
+#[cfg(unix)]
+fn is_device(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = fs::symlink_metadata(path).map(|found| found.file_type());
+    kind.is_ok_and(|kind| kind.is_char_device() || kind.is_block_device())
+}
+
+#[cfg(not(unix))]
+fn is_device(_: &Path) -> bool {
+    false
+}
+
+fn vanish(path: &Path) -> std_io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        result => result,
+    }
+}
+
+/// Writes a file aside, waits until the disk has it, and puts it in place.
+///
+/// # Errors
+/// If it cannot be written; the old file, if any, stays.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    let aside = path.with_added_extension("part");
+    let written = create(&aside).and_then(|mut file| {
+        let all = file.write_all(bytes).and_then(|()| file.sync_all());
+        all.and_then(|()| fs::rename(&aside, path)).map_err(io("write", path))
+    });
+    if written.is_err() {
+        // best effort: the error that matters is the one returned
+        let _ = fs::remove_file(&aside);
+    }
+    written
+}

@@ -1,0 +1,216 @@
+//! The file of one frame.
+use super::{CHUNK, Entry, name};
+use crate::output::create::create;
+use crate::output::error::{self, Error, Result};
+use crate::output::frame::{Field, Head, Piece};
+use crate::output::snapshot::Snapshot;
+use crate::output::stored::{self, Virtual, table};
+use crate::output::{seal, space};
+use hdf5::types::VarLenUnicode;
+use hdf5::{Dataset, File, Group, H5Type};
+use ndarray::ArrayView2;
+use std::path::{Path, PathBuf};
+
+/// Bytes for what HDF5 keeps about all of it, and about a chunk of a column.
+const SLACK: usize = 1 << 17;
+const CHUNK_ENTRY: usize = 128;
+
+/// A frame that is being written, aside.
+#[derive(Debug)]
+pub struct FrameFile {
+    path: PathBuf,
+    aside: PathBuf,
+    file: File,
+    head: Head,
+    /// Positions, identities, materials, and then the fields of the head: open over the frame, so that a chunk of several
+    /// pieces stays in memory.
+    columns: Vec<Dataset>,
+    /// Row at which the next piece starts.
+    row: usize,
+}
+
+impl FrameFile {
+    /// Begins a frame.
+    ///
+    /// # Errors
+    /// If there is no room for it on the disk.
+    pub fn create(path: &Path, head: Head) -> Result<Self> {
+        let aside = path.with_added_extension("part");
+        create(&aside)?;
+        space::reserve(&aside, SLACK)?;
+        let file = stored::create(&aside)?;
+        space::reserve(&aside, room(&head))?;
+        let columns = lay_out(&file, &head).map_err(error::hdf5("create", &aside))?;
+        Ok(Self { path: path.into(), aside, file, head, columns, row: 0 })
+    }
+
+    /// Writes the next particles.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn piece(&mut self, piece: &Piece) -> Result<()> {
+        let write = || -> hdf5::Result<()> {
+            put(&self.columns[0], self.row, 3, piece.positions.as_flattened())?;
+            put(&self.columns[1], self.row, 1, &piece.identities)?;
+            put(&self.columns[2], self.row, 1, &piece.materials)?;
+            let fields = self.head.fields.iter().zip(&self.columns[3..]).zip(&piece.columns);
+            for ((field, column), values) in fields {
+                put(column, self.row, field.components, values)?;
+            }
+            Ok(())
+        };
+        write().map_err(error::hdf5("write", &self.aside))?;
+        self.row += piece.positions.len();
+        Ok(())
+    }
+
+    /// Seals the frame and puts it in place, as file `number`.
+    ///
+    /// # Errors
+    /// If it cannot be written, or pieces are missing.
+    pub fn finish(self, number: u64) -> Result<Entry> {
+        let Self { path, aside, file, head: Head { time, step, particles, .. }, columns, row } = self;
+        if row != particles {
+            let problem = format!("a frame of {particles} particles got {row}");
+            return Err(Error::Content { path, problem });
+        }
+        drop(columns);
+        let length = file.flush().map(|()| file.size()).map_err(error::hdf5("write", &aside))?;
+        file.close().map_err(error::hdf5("close", &aside))?;
+        space::trim(&aside, length)?;
+        let digest = seal::seal(&aside)?;
+        std::fs::rename(&aside, &path).map_err(error::io("rename", &aside))?;
+        Ok(Entry { number, time, step, particles, digest })
+    }
+}
+
+/// Removes what there is of a frame that could not be written.
+pub fn discard(path: &Path) {
+    // best effort: the error that matters is why it could not be written
+    let _ = std::fs::remove_file(path.with_added_extension("part"));
+}
+
+/// What a frame's file says of itself.
+///
+/// # Errors
+/// If it is damaged, or no frame.
+pub fn describe(path: &Path, number: u64) -> Result<(Entry, Vec<Field>)> {
+    let digest = seal::verify(path)?;
+    let file = stored::open(path, Virtual::Refused)?;
+    let read = || -> hdf5::Result<(Entry, Vec<Field>)> {
+        let [step, particles] = [name::STEP, name::PARTICLES].map(|name| attribute::<u64>(&file, name));
+        let (time, particles) = (attribute(&file, name::TIME)?, particles? as usize);
+        let fields = fields(&file.group(name::DATA)?)?;
+        Ok((Entry { number, time, step: step?, particles, digest }, fields))
+    };
+    read().map_err(|source| not_ours(path, &source))
+}
+
+/// Reads a frame that the index knows, with those of its fields that are named.
+///
+/// # Errors
+/// If it is damaged, or another one.
+pub fn read(path: &Path, entry: &Entry, fields: &[Field], names: &[&str]) -> Result<Snapshot> {
+    if seal::verify(path)? != entry.digest {
+        let problem = "it is not the frame that the index names: another run wrote it".into();
+        return Err(Error::Content { path: path.into(), problem });
+    }
+    let file = stored::open(path, Virtual::Refused)?;
+    let n = entry.particles;
+    let read = || -> hdf5::Result<Snapshot> {
+        let data = file.group(name::DATA)?;
+        let wanted = fields.iter().filter(|field| names.contains(&field.name.as_str()));
+        let positions: Vec<f32> = table(&file, name::POINTS, n, 3)?;
+        let column = |field: &Field| Ok((field.clone(), table(&data, &field.name, n, field.components)?));
+        Ok(Snapshot {
+            time: entry.time,
+            step: entry.step,
+            identities: table(&data, name::IDENTITY, n, 1)?,
+            materials: table(&data, name::MATERIAL, n, 1)?,
+            positions: positions.as_chunks().0.to_vec(),
+            columns: wanted.map(column).collect::<hdf5::Result<_>>()?,
+        })
+    };
+    read().map_err(|source| not_ours(path, &source))
+}
+
+fn not_ours(path: &Path, source: &hdf5::Error) -> Error {
+    Error::Content { path: path.into(), problem: format!("not a frame of Sinew ({source})") }
+}
+
+/// The fields that a group of columns has.
+pub fn fields(data: &Group) -> hdf5::Result<Vec<Field>> {
+    let ours = |n: &String| n != name::IDENTITY && n != name::MATERIAL;
+    let read = |name: String| {
+        let column = data.dataset(&name)?;
+        let unit = column.attr(name::UNIT)?.read_scalar::<VarLenUnicode>()?.to_string();
+        Ok(Field { name, unit, components: column.shape().get(1).copied().unwrap_or(1) })
+    };
+    data.member_names()?.into_iter().filter(ours).map(read).collect()
+}
+
+fn lay_out(file: &File, head: &Head) -> hdf5::Result<Vec<Dataset>> {
+    let n = head.particles;
+    file.new_attr::<f64>().create(name::TIME)?.write_scalar(&head.time)?;
+    file.new_attr::<u64>().create(name::STEP)?.write_scalar(&head.step)?;
+    file.new_attr::<u64>().create(name::PARTICLES)?.write_scalar(&(n as u64))?;
+    let data = file.create_group(name::DATA)?;
+    let mut columns = vec![
+        column::<f32>(file, name::POINTS, n, 3)?,
+        column::<u64>(&data, name::IDENTITY, n, 1)?,
+        column::<u16>(&data, name::MATERIAL, n, 1)?,
+    ];
+    unit(&columns[0], "m")?;
+    for field in &head.fields {
+        let made = column::<f32>(&data, &field.name, n, field.components)?;
+        unit(&made, &field.unit)?;
+        columns.push(made);
+    }
+    Ok(columns)
+}
+
+/// A compressed dataset.
+fn column<T: H5Type>(group: &Group, path: &str, rows: usize, components: usize) -> hdf5::Result<Dataset> {
+    let dataset = group.new_dataset::<T>();
+    let chunk = rows.min(CHUNK);
+    match (rows, components) {
+        (0, 1) => dataset.shape(0).create(path),
+        (0, _) => dataset.shape((0, components)).create(path),
+        (_, 1) => dataset.shuffle().deflate(1).chunk(chunk).shape(rows).create(path),
+        _ => dataset.shuffle().deflate(1).chunk((chunk, components)).shape((rows, components)).create(path),
+    }
+}
+
+/// Writes rows from `start` on.
+fn put<T: H5Type>(dataset: &Dataset, start: usize, components: usize, values: &[T]) -> hdf5::Result<()> {
+    if values.is_empty() {
+        return Ok(());
+    }
+    let end = start + values.len() / components;
+    if components == 1 {
+        return dataset.write_slice(values, start..end);
+    }
+    let rows = ArrayView2::from_shape((end - start, components), values)
+        .map_err(|e| hdf5::Error::Internal(e.to_string()))?;
+    dataset.write_slice(rows, (start..end, ..))
+}
+
+/// States the unit of a dataset.
+pub fn unit(dataset: &Dataset, symbol: &str) -> hdf5::Result<()> {
+    let symbol: VarLenUnicode =
+        symbol.parse().map_err(|_| hdf5::Error::Internal("a unit holds a NUL".into()))?;
+    dataset.new_attr::<VarLenUnicode>().create(name::UNIT)?.write_scalar(&symbol)
+}
+
+fn attribute<T: H5Type>(group: &Group, name: &str) -> hdf5::Result<T> {
+    group.attr(name)?.read_scalar()
+}
+
+/// Bytes that a frame takes if nothing of it can be compressed.
+fn room(head: &Head) -> usize {
+    let fixed = size_of::<[f32; 3]>() + size_of::<u64>() + size_of::<u16>();
+    let numbers: usize = head.fields.iter().map(|f| f.components).sum();
+    let rows = head.particles.next_multiple_of(CHUNK.min(head.particles.max(1)));
+    let chunks = (3 + head.fields.len()) * rows.div_ceil(CHUNK);
+    rows * (fixed + numbers * size_of::<f32>()) + chunks * CHUNK_ENTRY + SLACK
+}

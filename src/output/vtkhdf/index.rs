@@ -1,0 +1,238 @@
+//! The index: what VTK reads, composed of the files of the frames.
+use super::frame_file::{fields, unit};
+use super::{Entry, file_name, name, relative};
+use crate::output::create::create;
+use crate::output::error::{self, Error, Result};
+use crate::output::frame::Field;
+use crate::output::stored::{self, Virtual, table};
+use crate::output::{seal, space};
+use hdf5::types::{FixedAscii, OwnedDynValue};
+use hdf5::{Dataset, File, Group, H5Type, Selection};
+use std::path::{Path, PathBuf};
+
+/// The cell kinds that VTK demands; only the first is filled.
+const TOPOLOGIES: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
+/// Bytes for what HDF5 keeps about all of it, and about a part of a virtual dataset.
+const SLACK: usize = 1 << 15;
+const PART: usize = 512;
+/// The file of the vertices 0, 1, 2…, which all frames share.
+pub const CELLS: &str = "cells.h5";
+const CONNECTIVITY: &str = "Connectivity";
+const CELL_OFFSETS: &str = "Offsets";
+
+/// Writes the index of some frames, in place of the one that was there.
+///
+/// # Errors
+/// If it cannot be written; then the old one stays.
+pub fn write(path: &Path, fields: &[Field], entries: &[Entry]) -> Result<()> {
+    let aside = aside(path, |file| lay_out(file, fields, entries), room(fields, entries))?;
+    seal::seal(&aside)?;
+    std::fs::rename(&aside, path).map_err(error::io("rename", &aside))
+}
+
+/// Reads an index.
+///
+/// # Errors
+/// If the file is missing, damaged, or of another kind.
+pub fn read(path: &Path) -> Result<(Vec<Field>, Vec<Entry>)> {
+    seal::verify(path)?;
+    let file = stored::open(path, Virtual::Passed)?;
+    let read = || -> hdf5::Result<(Vec<Field>, Vec<Entry>)> {
+        let root = file.group(name::ROOT)?;
+        let n = root.group(name::STEPS)?.attr(name::FRAMES)?.read_scalar::<i64>()?;
+        let n = usize::try_from(n).map_err(|_| hdf5::Error::Internal(format!("{n} frames")))?;
+        let whole = |name: &str| table::<u64>(&root, name, n, 1);
+        let (steps, counts, numbers) = (whole(name::TAKEN)?, whole(name::COUNTS)?, whole(name::NUMBERS)?);
+        let (times, digests): (Vec<f64>, Vec<u64>) =
+            (table(&root, name::TIMES, n, 1)?, table(&root, name::DIGESTS, n, 2)?);
+        let entry = |k: usize| Entry {
+            number: numbers[k],
+            time: times[k],
+            step: steps[k],
+            particles: counts[k] as usize,
+            digest: u128::from(digests[2 * k]) << 64 | u128::from(digests[2 * k + 1]),
+        };
+        Ok((fields(&root.group(name::DATA)?)?, (0..n).map(entry).collect()))
+    };
+    read().map_err(|source| Error::Content {
+        path: path.into(),
+        problem: format!("not a particle file of Sinew ({source})"),
+    })
+}
+
+/// Writes the vertices 0 … n − 1, of which every frame shows as many as it has particles.
+///
+/// # Errors
+/// If they cannot be written.
+pub fn write_cells(index: &Path, n: usize) -> Result<()> {
+    let path = super::folder(index).join(CELLS);
+    let lay_out = |file: &File| -> hdf5::Result<()> {
+        let numbers: Vec<i64> = (0..=n as i64).collect();
+        for (name, values) in [(CONNECTIVITY, &numbers[..n]), (CELL_OFFSETS, &numbers)] {
+            let dataset = file.new_dataset::<i64>().shuffle().deflate(1);
+            dataset
+                .chunk(values.len().clamp(1, super::CHUNK))
+                .shape(values.len())
+                .create(name)?
+                .write(values)?;
+        }
+        Ok(())
+    };
+    let rows = (n + 1).next_multiple_of(super::CHUNK.min(n + 1));
+    let aside = aside(&path, lay_out, 2 * size_of::<i64>() * rows + SLACK)?;
+    std::fs::rename(&aside, &path).map_err(error::io("rename", &aside))
+}
+
+/// Writes an HDF5 file aside.
+fn aside(path: &Path, lay_out: impl FnOnce(&File) -> hdf5::Result<()>, room: usize) -> Result<PathBuf> {
+    let aside = path.with_added_extension("part");
+    let write = || -> Result<()> {
+        create(&aside)?;
+        space::reserve(&aside, SLACK)?;
+        let file = stored::create(&aside)?;
+        space::reserve(&aside, room)?;
+        let length = lay_out(&file).and_then(|()| file.flush()).map(|()| file.size());
+        let length = length.map_err(error::hdf5("write", &aside))?;
+        file.close().map_err(error::hdf5("close", &aside))?;
+        space::trim(&aside, length)
+    };
+    match write() {
+        Ok(()) => Ok(aside),
+        Err(error) => {
+            // best effort: the error that matters is the one returned
+            let _ = std::fs::remove_file(&aside);
+            Err(error)
+        }
+    }
+}
+
+fn lay_out(file: &File, fields: &[Field], entries: &[Entry]) -> hdf5::Result<()> {
+    let root = file.create_group(name::ROOT)?;
+    root.new_attr::<i64>().shape(2).create("Version")?.write_raw(&[2i64, 0])?;
+    // older readers know only fixed-length ASCII here
+    let kind = FixedAscii::<8>::from_ascii("PolyData").map_err(|e| hdf5::Error::Internal(e.to_string()))?;
+    root.new_attr::<FixedAscii<8>>().create("Type")?.write_scalar(&kind)?;
+    steps(&root, entries)?;
+    cells(&root, entries)?;
+
+    let composed = Composed(entries);
+    let data = root.create_group(name::DATA)?;
+    if !entries.is_empty() {
+        unit(&composed.dataset::<f32>(&root, name::POINTS, name::POINTS, 3, f32::NAN)?, "m")?;
+        let of = |name: &str| format!("{}/{name}", name::DATA);
+        composed.dataset::<u64>(&data, name::IDENTITY, &of(name::IDENTITY), 1, u64::MAX)?;
+        composed.dataset::<u16>(&data, name::MATERIAL, &of(name::MATERIAL), 1, u16::MAX)?;
+        for Field { name, unit: symbol, components } in fields {
+            let made = composed.dataset::<f32>(&data, name, &of(name), *components, f32::NAN)?;
+            unit(&made, symbol)?;
+        }
+    }
+    let offsets = root.create_group("Steps/PointDataOffsets")?;
+    for column in data.member_names()? {
+        root.link_hard(name::OFFSETS, &format!("Steps/PointDataOffsets/{column}"))?;
+    }
+    drop(offsets);
+    Ok(())
+}
+
+/// The tables with a row a frame. Rows of equal content are one dataset under several names.
+fn steps(root: &Group, entries: &[Entry]) -> hdf5::Result<()> {
+    let n = entries.len();
+    let all = |value: &dyn Fn(usize, &Entry) -> i64| -> Vec<i64> {
+        entries.iter().enumerate().map(|(k, entry)| value(k, entry)).collect()
+    };
+    let steps = root.create_group(name::STEPS)?;
+    steps.new_attr::<i64>().create(name::FRAMES)?.write_scalar(&(n as i64))?;
+    let times = root.new_dataset::<f64>().shape(n).create(name::TIMES)?;
+    fill(&times, &entries.iter().map(|entry| entry.time).collect::<Vec<_>>())?;
+    unit(&times, "s")?;
+    let ends = entries.iter().scan(0, |row, entry| {
+        *row += entry.particles as i64;
+        Some(*row)
+    });
+    let offsets: Vec<i64> = std::iter::once(0).chain(ends).take(n).collect();
+    let tables = [
+        (name::COUNTS, all(&|_, entry| entry.particles as i64)),
+        (name::TAKEN, all(&|_, entry| entry.step as i64)),
+        (name::NUMBERS, all(&|_, entry| entry.number as i64)),
+        (name::OFFSETS, offsets),
+        ("Steps/PartOffsets", all(&|k, _| k as i64)),
+        ("Steps/NumberOfParts", all(&|_, _| 1)),
+    ];
+    for (name, values) in tables {
+        fill(&root.new_dataset::<i64>().shape(n).create(name)?, &values)?;
+    }
+    let digests: Vec<u64> = entries.iter().flat_map(|e| [(e.digest >> 64) as u64, e.digest as u64]).collect();
+    fill(&root.new_dataset::<u64>().shape((n, 2)).create(name::DIGESTS)?, &digests)?;
+    // all frames share the vertices, so that their cells begin at the first one
+    fill(&root.new_dataset::<i64>().shape((n, 4)).create("Steps/CellOffsets")?, &vec![0i64; 4 * n])?;
+    root.link_hard("Steps/CellOffsets", "Steps/ConnectivityIdOffsets")
+}
+
+fn cells(root: &Group, entries: &[Entry]) -> hdf5::Result<()> {
+    let most = entries.iter().map(|entry| entry.particles).max().unwrap_or(0);
+    let n = entries.len();
+    for kind in TOPOLOGIES {
+        let group = root.create_group(kind)?;
+        let vertices = kind == "Vertices";
+        if vertices {
+            root.link_hard(name::COUNTS, "Vertices/NumberOfCells")?;
+        } else {
+            fill(&group.new_dataset::<i64>().shape(n).create("NumberOfCells")?, &vec![0i64; n])?;
+        }
+        group.link_hard("NumberOfCells", "NumberOfConnectivityIds")?;
+        // n + 1 offsets for n cells, also where n = 0: without them VTK loses the point data silently
+        for (name, rows) in [(CONNECTIVITY, most), (CELL_OFFSETS, most + 1)] {
+            let dataset = group.new_dataset::<i64>();
+            if vertices && most > 0 {
+                let source = relative(CELLS);
+                dataset
+                    .virtual_map(source, name, rows, Selection::All, rows, Selection::All)
+                    .shape(rows)
+                    .create(name)?;
+            } else {
+                let rows = rows - most;
+                fill(&dataset.shape(rows).create(name)?, &vec![0i64; rows])?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Datasets that are made of those of the frames.
+struct Composed<'a>(&'a [Entry]);
+
+impl Composed<'_> {
+    /// A dataset of all frames, and what is shown where a file is missing.
+    fn dataset<T: H5Type + Into<OwnedDynValue>>(
+        &self,
+        group: &Group,
+        name: &str,
+        source: &str,
+        width: usize,
+        missing: T,
+    ) -> hdf5::Result<Dataset> {
+        let all: usize = self.0.iter().map(|entry| entry.particles).sum();
+        let shape = |rows: usize| if width == 1 { vec![rows] } else { vec![rows, width] };
+        let mut builder = group.new_dataset_builder();
+        let mut row = 0;
+        for entry in self.0.iter().filter(|entry| entry.particles > 0) {
+            let rows = row..row + entry.particles;
+            row = rows.end;
+            let there = if width == 1 { Selection::try_new(rows)? } else { Selection::try_new((rows, ..))? };
+            let file = relative(&file_name(entry.number));
+            builder =
+                builder.virtual_map(file, source, shape(entry.particles), Selection::All, shape(all), there);
+        }
+        builder.fill_value(missing).empty::<T>().shape(shape(all)).create(name)
+    }
+}
+
+/// Writes all of a dataset, also where that is nothing.
+fn fill<T: H5Type>(dataset: &Dataset, values: &[T]) -> hdf5::Result<()> {
+    if values.is_empty() { Ok(()) } else { dataset.write_raw(values) }
+}
+
+fn room(fields: &[Field], entries: &[Entry]) -> usize {
+    SLACK + PART * (fields.len() + 16) * entries.len()
+}

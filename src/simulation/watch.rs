@@ -1,0 +1,171 @@
+//! Warnings that a run gives itself: what its numbers say against it, each once, with cause and remedy.
+use super::Simulation;
+use super::report::Report;
+use engine::data::warehouse::Warehouse;
+use engine::exec::ranks::{NetworkError, collective};
+use engine::schema::Label;
+use scene::{Body, Scene};
+use simd::LANES;
+use std::collections::{BTreeSet, HashMap, HashSet};
+use tasks::labels::{Position, SignalSpeed};
+
+/// Of the energy turned over, which the accounts may not explain.
+const UNEXPLAINED: f64 = 0.05;
+/// Cells across a body that deforms, below which its stresses are those of the grid.
+const THIN: f64 = 2.0;
+
+/// What was said so far.
+#[derive(Debug, Default)]
+pub struct Watch {
+    said: BTreeSet<String>,
+    /// Pairs of materials that may meet, and have no contact.
+    strangers: Vec<[usize; 2]>,
+    begun: bool,
+}
+
+impl Watch {
+    /// What there is to say at a row of the history, and was not said before: the same on all ranks, which all call it.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn look(
+        &mut self,
+        simulation: &mut Simulation,
+        report: &Report,
+    ) -> Result<Vec<String>, NetworkError> {
+        let mut found = Vec::new();
+        if !std::mem::replace(&mut self.begun, true) {
+            self.strangers = strangers(&simulation.scene);
+            found.extend(thin(&simulation.scene));
+        }
+        found.extend(unexplained(report));
+        found.extend(too_fast(simulation, report));
+        found.extend(self.meetings(simulation, report)?);
+        let news = found.into_iter().filter(|(key, _)| self.said.insert(key.clone()));
+        Ok(news.map(|(_, text)| text).collect())
+    }
+
+    /// Materials without a contact that have come into one cell.
+    fn meetings(&mut self, simulation: &mut Simulation, report: &Report) -> Result<Vec<Said>, NetworkError> {
+        if self.strangers.is_empty() {
+            return Ok(Vec::new());
+        }
+        let here = |pair: &[usize; 2]| u64::from(share_a_cell(&simulation.warehouse, *pair));
+        let mut met: Vec<u64> = self.strangers.iter().map(here).collect();
+        collective::sum(simulation.network(), &mut met)?;
+        let pairs: Vec<_> = self.strangers.iter().zip(&met).filter(|(_, met)| **met > 0).collect();
+        let names = &simulation.scene.materials;
+        let told = pairs.iter().map(|([a, b], _)| {
+            let [a, b] = [a, b].map(|&m| names[m].name.as_str());
+            let text = format!(
+                "{a} and {b} have met, t = {:.4e} s, and pass through one another: they have no [[contact]]. Add one between them, or give \
+                 their bodies one material",
+                report.time
+            );
+            (format!("meet {a} {b}"), text)
+        });
+        let told = told.collect();
+        let met: HashSet<_> = pairs.into_iter().map(|(pair, _)| *pair).collect();
+        self.strangers.retain(|pair| !met.contains(pair));
+        Ok(told)
+    }
+}
+
+/// What is said once, by its key.
+type Said = (String, String);
+
+fn unexplained(report: &Report) -> Option<Said> {
+    let part = report.residual / report.turnover;
+    let (percent, time) = (100.0 * part.abs(), report.time);
+    let what = match part {
+        part if part > UNEXPLAINED => "has vanished",
+        part if part < -UNEXPLAINED => "has come from nowhere",
+        _ => return None,
+    };
+    let text = format!(
+        "{percent:.0} % of the energy turned over {what}, t = {time:.4e} s. Lower run.cfl; if that does not help, look for matter that is \
+         asked to move in two ways at once (a grip against a face, a layer thinner than three cells between tools)"
+    );
+    Some((format!("energy {what}"), text))
+}
+
+/// A particle that alone has more energy than was ever turned over.
+fn too_fast(simulation: &Simulation, report: &Report) -> Option<Said> {
+    let (scene, shared) = (&simulation.scene, &simulation.warehouse.shared);
+    scene.deformable().find_map(|m| {
+        let lanes = shared.get::<[simd::Wide; 3]>(SignalSpeed::ID, m)[2].0;
+        let speed = lanes.into_iter().fold(0.0, f64::max);
+        let mass = lightest(scene, m)?;
+        let energy = 0.5 * mass * speed * speed;
+        (report.turnover > 0.0 && energy > (1.0 + UNEXPLAINED) * report.turnover).then(|| {
+            let name = &scene.materials[m].name;
+            let text = format!(
+                "a particle of {name} moves at {speed:.3e} m/s, t = {:.4e} s: it alone has more energy than was turned over. Lower run.cfl, or use \
+                 more particles a cell where it was torn off",
+                report.time
+            );
+            (format!("fast {name}"), text)
+        })
+    })
+}
+
+/// Mass of the lightest particle of a material at the start [kg].
+fn lightest(scene: &Scene, material: usize) -> Option<f64> {
+    let bodies = scene.bodies.iter().filter(|body| body.material == material);
+    let most = bodies.map(|body| body.particles_per_cell.iter().product::<usize>()).max()?;
+    Some(scene.materials[material].density * scene.domain.cell.powi(3) / most as f64)
+}
+
+/// Bodies that the grid does not resolve.
+fn thin(scene: &Scene) -> Vec<Said> {
+    let deforms = |body: &&Body| !scene.materials[body.material].is_rigid();
+    let one = |body: &Body| {
+        let (lower, upper) = body.solid.bounds();
+        let (first, last) = scene::sampling::inside(&scene.domain);
+        // what reaches a face goes on there, as far as that holds it
+        let open = |a: usize| lower[a] > first[a] && upper[a] < last[a];
+        let across = |a: usize| (upper[a] - lower[a]) / scene.domain.cell;
+        let a = (0..3).find(|&a| open(a) && across(a) < THIN - 1e-6)?;
+        let (name, axis, cells) = (&body.name, ["x", "y", "z"][a], across(a));
+        let text = format!(
+            "body {name:?} is {cells:.2} cells thick along {axis}: below {THIN} cells its stiffness is that of the grid. Use smaller cells"
+        );
+        Some((format!("thin {name}"), text))
+    };
+    scene.bodies.iter().filter(deforms).filter_map(one).collect()
+}
+
+/// Pairs of materials with particles that have no contact.
+fn strangers(scene: &Scene) -> Vec<[usize; 2]> {
+    let has = |m: &usize| scene.materials[*m].has_particles() && scene.bodies_of(*m).next().is_some();
+    let all: Vec<usize> = (0..scene.materials.len()).filter(has).collect();
+    let pairs = all.iter().enumerate().flat_map(|(i, &b)| all[..i].iter().map(move |&a| [a, b]));
+    let meet = |pair: &[usize; 2]| scene.contacts.iter().any(|contact| contact.between == *pair);
+    let rigid = |pair: &[usize; 2]| pair.iter().all(|&m| scene.materials[m].is_rigid());
+    pairs.filter(|pair| !meet(pair) && !rigid(pair)).collect()
+}
+
+/// Whether particles of both materials lie in one cell, on this rank.
+fn share_a_cell(warehouse: &Warehouse, [a, b]: [usize; 2]) -> bool {
+    let level = &warehouse.level;
+    let mut cells: HashMap<[i32; 3], HashSet<[i64; 3]>> = HashMap::new();
+    let in_cells = |material: usize, block: &engine::data::particles::ParticleBlock| -> Vec<[i64; 3]> {
+        let layout = &warehouse.materials[material].layout;
+        let column = block.column(layout, Position::ID);
+        let at = |p: usize, axis: usize| {
+            ((column[p / LANES * 3 + axis].0[p % LANES] - level.lower[axis]) / level.cell).floor() as i64
+        };
+        (0..block.count).map(|p| [at(p, 0), at(p, 1), at(p, 2)]).collect()
+    };
+    let of = |material: usize| warehouse.blocks().filter(move |(m, block)| *m == material && block.count > 0);
+    let shared: HashSet<[i32; 3]> = of(b).map(|(_, block)| block.index).collect();
+    for (m, block) in of(a).filter(|(_, block)| shared.contains(&block.index)) {
+        cells.entry(block.index).or_default().extend(in_cells(m, block));
+    }
+    let meets = |m: usize, block: &engine::data::particles::ParticleBlock| {
+        cells
+            .get(&block.index)
+            .is_some_and(|there| in_cells(m, block).iter().any(|cell| there.contains(cell)))
+    };
+    of(b).any(|(m, block)| meets(m, block))
+}

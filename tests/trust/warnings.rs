@@ -1,0 +1,90 @@
+//! What a run says against itself.
+use crate::*;
+use sinew::output::summary::Summary;
+
+fn warnings(text: &str, more: &[&str]) -> (Vec<String>, String) {
+    let folder = temporary();
+    let [file, out] = ["scene.toml", "run"].map(|name| folder.path().join(name));
+    ok(std::fs::write(&file, text));
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("sinew"));
+    command.args(["run", text_of(&file), "-q", "--threads", "1", "--out", text_of(&out)]).args(more);
+    let output = ok(command.output());
+    completed(&output);
+    let summary = ok(Summary::read(&out.join("summary.json")));
+    let told = summary.more.get("warnings").and_then(|it| it.as_array().cloned()).unwrap_or_default();
+    (told.iter().filter_map(|it| it.as_str().map(str::to_owned)).collect(), words(&output))
+}
+
+fn text_of(path: &Path) -> &str {
+    text(path)
+}
+
+const MEET: &str = r#"
+[domain]
+lower = [0, 0, 0]
+upper = ["16 mm", "8 mm", "8 mm"]
+cell = "1 mm"
+[material.one]
+law = "neo-hookean"
+density = 1000
+bulk-modulus = "100 kPa"
+shear-modulus = "50 kPa"
+[material.two]
+law = "neo-hookean"
+density = 1000
+bulk-modulus = "100 kPa"
+shear-modulus = "50 kPa"
+[[body]]
+name = "left"
+material = "one"
+shape = { sphere = { center = [0.005, 0.004, 0.004], radius = 0.002 } }
+velocity = [1, 0, 0]
+[[body]]
+name = "right"
+material = "two"
+shape = { sphere = { center = [0.010, 0.004, 0.004], radius = 0.002 } }
+[run]
+until = "3 ms"
+cfl = 0.4
+[output]
+frames = 0
+"#;
+
+#[test]
+fn materials_that_pass_through_one_another_are_named_once() {
+    let (told, said) = warnings(MEET, &[]);
+    assert!(
+        told.len() == 1 && told[0].contains("one and two have met") && told[0].contains("[[contact]]"),
+        "{told:?}"
+    );
+    assert_eq!(said.matches("warning: one and two have met").count(), 1, "{said}");
+    let contact =
+        format!("{MEET}[[contact]]\nbetween = [\"one\", \"two\"]\nlaw = \"friction\"\nfriction = 0\n");
+    assert!(warnings(&contact, &[]).0.is_empty());
+    // next to one another is not in one another
+    let near = MEET.replace("velocity = [1, 0, 0]\n", "");
+    assert!(warnings(&near, &[]).0.is_empty());
+}
+
+#[test]
+fn bodies_that_the_grid_does_not_resolve_are_named() {
+    let thin = MEET.replace(
+        "sphere = { center = [0.010, 0.004, 0.004], radius = 0.002 }",
+        "box = { lower = [0.012, 0.002, 0.002], upper = [0.013, 0.006, 0.006] }",
+    );
+    let (told, _) = warnings(&thin.replace("velocity = [1, 0, 0]\n", ""), &[]);
+    assert!(told.len() == 1 && told[0].contains("\"right\" is 1.00 cells thick along x"), "{told:?}");
+}
+
+#[test]
+fn energy_that_the_accounts_do_not_explain_is_told() {
+    // a grip that runs into a tool: no motion satisfies both
+    let grip = MEET.replace(
+        "[run]",
+        "[material.wall]\nlaw = \"rigid\"\nmotion = \"prescribed\"\ndensity = 1000\n[[body]]\nname = \"wall\"\nmaterial = \"wall\"\n\
+         shape = { box = { lower = [0.0125, 0.001, 0.001], upper = [0.015, 0.007, 0.007] } }\n[[contact]]\nbetween = [\"two\", \"wall\"]\n\
+         law = \"friction\"\nfriction = 0\n[[drive]]\nmaterial = \"two\"\nvelocity = [1, 0, 0]\n[run]",
+    );
+    let (told, _) = warnings(&grip.replacen("velocity = [1, 0, 0]\n", "", 1), &["--until", "2 ms"]);
+    assert!(told.iter().any(|it| it.contains("% of the energy turned over")), "{told:?}");
+}
