@@ -74,10 +74,15 @@ fn bodies_that_cross_corners_of_random_patches_keep_their_bits() {
 /// All that meets bodies from outside.
 #[test]
 fn what_holds_and_pushes_bodies_keeps_its_bits() {
-    let [held, afloat] = [include_str!("scenes/held.toml"), include_str!("scenes/afloat.toml")];
+    let [held, afloat, carried] = [
+        include_str!("scenes/held.toml"),
+        include_str!("scenes/afloat.toml"),
+        include_str!("scenes/carried.toml"),
+    ];
     let layouts = [([1; 3], 1), ([2; 3], 2), ([5, 3, 4], 3)];
-    let runs = [(held, "common"), (held, "per-material"), (afloat, "common"), (afloat, "per-material")];
-    for ((text, rates), isa) in runs.into_iter().zip(instruction_sets().into_iter().rev().cycle()) {
+    let runs =
+        [held, afloat, carried].into_iter().flat_map(|text| [(text, "common"), (text, "per-material")]);
+    for ((text, rates), isa) in runs.zip(instruction_sets().into_iter().rev().cycle()) {
         let report = same(&scene(text, &[("run.rates", rates)]), &layouts, isa);
         let gives = |it: &&sinew::simulation::GiverReport| common::norm(it.impulse) > 0.0;
         let (giving, all) = (report.givers.iter().filter(gives).count(), report.givers.len());

@@ -155,10 +155,12 @@ fn layout() -> impl Strategy<Value = ([usize; 3], usize, usize, u64, [Vec<u32>; 
 /// All that meets bodies from outside.
 #[test]
 fn what_holds_and_pushes_bodies_is_the_same_on_any_ranks() {
-    let [held, afloat] = [include_str!("scenes/held.toml"), include_str!("scenes/afloat.toml")];
-    for (text, rates) in
-        [(held, "common"), (held, "per-material"), (afloat, "common"), (afloat, "per-material")]
-    {
+    let texts = [
+        include_str!("scenes/held.toml"),
+        include_str!("scenes/afloat.toml"),
+        include_str!("scenes/carried.toml"),
+    ];
+    for (text, rates) in texts.into_iter().flat_map(|text| [(text, "common"), (text, "per-material")]) {
         let scene = scene(text, &[("run.rates", rates)]);
         let wanted = alone(&scene);
         for (patches, ranks, threads) in [([2, 1, 1], 2, 1), ([3, 2, 2], 4, 2)] {

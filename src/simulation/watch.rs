@@ -18,7 +18,7 @@ const THIN: f64 = 2.0;
 #[derive(Debug, Default)]
 pub struct Watch {
     said: BTreeSet<String>,
-    /// Pairs of materials that may meet, and have no contact.
+    /// Pairs of materials of which neither yields to the other.
     strangers: Vec<[usize; 2]>,
     begun: bool,
 }
@@ -45,23 +45,24 @@ impl Watch {
         Ok(news.map(|(_, text)| text).collect())
     }
 
-    /// Materials without a contact that have come into one cell.
+    /// Materials that pass through one another.
     fn meetings(&mut self, simulation: &mut Simulation, report: &Report) -> Result<Vec<Said>, NetworkError> {
         if self.strangers.is_empty() {
             return Ok(Vec::new());
         }
-        let here = |pair: &[usize; 2]| u64::from(share_a_cell(&simulation.warehouse, *pair));
+        let Simulation { scene, warehouse, .. } = &*simulation;
+        let here = |pair: &[usize; 2]| u64::from(overlap(warehouse, *pair, closest(scene, *pair)));
         let mut met: Vec<u64> = self.strangers.iter().map(here).collect();
         collective::sum(simulation.network(), &mut met)?;
         let pairs: Vec<_> = self.strangers.iter().zip(&met).filter(|(_, met)| **met > 0).collect();
-        let names = &simulation.scene.materials;
-        let told = pairs.iter().map(|([a, b], _)| {
-            let [a, b] = [a, b].map(|&m| names[m].name.as_str());
-            let text = format!(
-                "{a} and {b} have met, t = {:.4e} s, and pass through one another: they have no [[contact]]. Add one between them, or give \
-                 their bodies one material",
-                report.time
-            );
+        let scene = &simulation.scene;
+        let told = pairs.iter().map(|(pair, _)| {
+            let [a, b] = pair.map(|m| scene.materials[m].name.as_str());
+            let why = match meet(scene, pair) {
+                true => "drives hold both. Let one of them yield, or keep them apart",
+                false => "they have no [[contact]]. Add one between them, or give their bodies one material",
+            };
+            let text = format!("{a} and {b} pass through one another, t = {:.4e} s: {why}", report.time);
             (format!("meet {a} {b}"), text)
         });
         let told = told.collect();
@@ -135,25 +136,38 @@ fn thin(scene: &Scene) -> Vec<Said> {
     scene.bodies.iter().filter(deforms).filter_map(one).collect()
 }
 
-/// Pairs of materials with particles that have no contact.
+/// Whether two materials have a contact.
+fn meet(scene: &Scene, pair: &[usize; 2]) -> bool {
+    scene.contacts.iter().any(|contact| contact.between == *pair)
+}
+
+/// Pairs of materials with particles that have no contact, or that drives hold both.
 fn strangers(scene: &Scene) -> Vec<[usize; 2]> {
     let has = |m: &usize| scene.materials[*m].has_particles() && scene.bodies_of(*m).next().is_some();
     let all: Vec<usize> = (0..scene.materials.len()).filter(has).collect();
     let pairs = all.iter().enumerate().flat_map(|(i, &b)| all[..i].iter().map(move |&a| [a, b]));
-    let meet = |pair: &[usize; 2]| scene.contacts.iter().any(|contact| contact.between == *pair);
     let rigid = |pair: &[usize; 2]| pair.iter().all(|&m| scene.materials[m].is_rigid());
-    pairs.filter(|pair| !meet(pair) && !rigid(pair)).collect()
+    let driven = |m: &usize| scene.drives.iter().any(|drive| drive.material == *m);
+    let yields = |pair: &[usize; 2]| meet(scene, pair) && !pair.iter().all(driven);
+    pairs.filter(|pair| !yields(pair) && !rigid(pair)).collect()
 }
 
-/// Whether particles of both materials lie in one cell, on this rank.
-fn share_a_cell(warehouse: &Warehouse, [a, b]: [usize; 2]) -> bool {
+/// How close particles of two materials come that do not lie in one another [m]: well below their spacing.
+fn closest(scene: &Scene, pair: [usize; 2]) -> f64 {
+    let bodies = scene.bodies.iter().filter(|body| pair.contains(&body.material));
+    let most = bodies.flat_map(|body| body.particles_per_cell).max().unwrap_or(1);
+    0.7 * scene.domain.cell / most as f64
+}
+
+/// Whether particles of both materials lie in one cube with this side [m], on this rank.
+fn overlap(warehouse: &Warehouse, [a, b]: [usize; 2], side: f64) -> bool {
     let level = &warehouse.level;
     let mut cells: HashMap<[i32; 3], HashSet<[i64; 3]>> = HashMap::new();
     let in_cells = |material: usize, block: &engine::data::particles::ParticleBlock| -> Vec<[i64; 3]> {
         let layout = &warehouse.materials[material].layout;
         let column = block.column(layout, Position::ID);
         let at = |p: usize, axis: usize| {
-            ((column[p / LANES * 3 + axis].0[p % LANES] - level.lower[axis]) / level.cell).floor() as i64
+            ((column[p / LANES * 3 + axis].0[p % LANES] - level.lower[axis]) / side).floor() as i64
         };
         (0..block.count).map(|p| [at(p, 0), at(p, 1), at(p, 2)]).collect()
     };

@@ -88,7 +88,11 @@ const CLOUD: &str = include_str!("../scenes/cloud.toml");
 
 #[test]
 fn so_does_one_with_all_that_holds_and_pushes() {
-    for text in [include_str!("../scenes/held.toml"), include_str!("../scenes/afloat.toml")] {
+    for text in [
+        include_str!("../scenes/held.toml"),
+        include_str!("../scenes/afloat.toml"),
+        include_str!("../scenes/carried.toml"),
+    ] {
         goes_on(&scene(text, &[]), &mut Random(9));
     }
 }
