@@ -99,6 +99,26 @@ fn the_file_is_readable_after_every_append() {
     }
 }
 
+/// The index of many frames is long: it is not written after each of them, and has all when the disk is to have them.
+#[test]
+fn many_frames_are_named_when_the_disk_has_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    let mut writer = Writer::create(&path).unwrap();
+    (0..200).for_each(|k| writer.append(&snapshot(k, 3)).unwrap());
+    let named = Reader::open(&path).unwrap().frames();
+    assert!((64..=200).contains(&named), "{named}");
+    writer.sync().unwrap();
+    let reader = Reader::open(&path).unwrap();
+    assert_eq!((reader.frames(), reader.frame(199).unwrap()), (200, snapshot(199, 3)));
+    // a run that was killed has named too few: the frames that a checkpoint counts are named by then
+    writer.append(&snapshot(200, 3)).unwrap();
+    drop(writer);
+    let (writer, warnings) = Writer::resume(&path, 200).unwrap();
+    assert_eq!((writer.frames(), warnings), (200, Vec::new()));
+    assert_eq!(Reader::open(&path).unwrap().frames(), 200);
+}
+
 #[test]
 fn a_restart_goes_on_after_the_frames_it_knows() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,8 +2,8 @@
 //!
 //! Each frame is a file of its own in the folder `particles`, written aside, sealed (`seal.rs`), put in place and never
 //! touched again. `particles.vtkhdf` is an index of them: what VTK looks for are virtual datasets, which HDF5 composes of
-//! the frames' (<https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/>). It is written anew after each
-//! frame, and replaced at once. So whoever looks finds whole frames, at any moment and after any kill; a damaged frame is
+//! the frames' (<https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/>). It is written anew after
+//! frames, and replaced at once. So whoever looks finds whole frames, at any moment and after any kill; a damaged frame is
 //! one frame; and the index states the digest of every frame, so that no other file passes for it.
 mod frame_file;
 mod index;

@@ -8,6 +8,12 @@ use crate::output::seal;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// So many frames the index names at once. More it names as often as that takes one part in `SHARE` of the time, and when the disk is to have all:
+/// its length, and so the time to write it, grows with their number.
+const PROMPT: usize = 64;
+const SHARE: u32 = 20;
 
 /// Writes `particles.vtkhdf` and its frames. What it names is whole and readable after every frame.
 #[derive(Debug)]
@@ -24,6 +30,10 @@ pub struct Writer {
     unsynced: Vec<PathBuf>,
     /// The frame that is being written.
     open: Option<FrameFile>,
+    /// Frames that the index names.
+    named: usize,
+    /// When it was written, and how long that took.
+    index: (Instant, Duration),
 }
 
 impl Writer {
@@ -45,15 +55,12 @@ impl Writer {
     /// If the folder cannot be written.
     pub fn resume(path: &Path, frames: u64) -> Result<(Self, Vec<String>)> {
         let mut warnings = Vec::new();
-        let (fields, all) = match index::read(path) {
-            Ok(known) => known,
-            Err(error) => {
-                if frames > 0 {
-                    warnings.push(format!("{error}. It is made anew of its frames"));
-                }
-                collect(path, frames, &mut warnings)
+        let (fields, all) = index::read(path).unwrap_or_else(|error| {
+            if frames > 0 {
+                warnings.push(format!("{error}. It is made anew of its frames"));
             }
-        };
+            collect(path, frames, &mut warnings)
+        });
         own_folder(path)?;
         let known = all.len();
         let mut entries = Vec::new();
@@ -78,7 +85,9 @@ impl Writer {
     }
 
     fn at(path: &Path, next: u64, fields: Vec<Field>, entries: Vec<Entry>) -> Self {
-        Self { path: path.into(), fields, entries, next, cells: 0, unsynced: Vec::new(), open: None }
+        let (named, index) = (entries.len(), (Instant::now(), Duration::ZERO));
+        let (path, unsynced) = (path.into(), Vec::new());
+        Self { path, fields, entries, next, cells: 0, unsynced, open: None, named, index }
     }
 
     /// Writes one more frame that is in memory. Its fields must be those of the first frame.
@@ -147,7 +156,10 @@ impl Writer {
         let path = file(&self.path, self.next);
         let entry = discarded(&path, open.finish(self.next))?;
         self.entries.push(entry);
-        if let Err(error) = index::write(&self.path, &self.fields, &self.entries) {
+        let (last, took) = self.index;
+        if (self.entries.len() <= PROMPT || last.elapsed() > SHARE * took)
+            && let Err(error) = self.name_all()
+        {
             self.entries.pop();
             return Err(error);
         }
@@ -156,16 +168,28 @@ impl Writer {
         Ok(())
     }
 
+    /// Writes the index, if frames came after it.
+    fn name_all(&mut self) -> Result<()> {
+        if self.named == self.entries.len() {
+            return Ok(());
+        }
+        let began = Instant::now();
+        index::write(&self.path, &self.fields, &self.entries)?;
+        (self.named, self.index) = (self.entries.len(), (Instant::now(), began.elapsed()));
+        Ok(())
+    }
+
     /// Number of frames that were begun so far, whether all are still there or not.
     pub fn frames(&self) -> u64 {
         self.next
     }
 
-    /// Waits until the disk has all frames.
+    /// Waits until the disk has all frames, and the index names them.
     ///
     /// # Errors
     /// If it does not take them.
     pub fn sync(&mut self) -> Result<()> {
+        self.name_all()?;
         if self.unsynced.is_empty() {
             return Ok(());
         }
