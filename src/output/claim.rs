@@ -57,6 +57,9 @@ impl Claim {
         let path = folder.join(NAME);
         let me = Holder::here();
         let text = serde_json::to_string_pretty(&me).unwrap_or_default() + "\n";
+        if fs::metadata(&path).is_ok_and(|found| !found.is_file()) {
+            return Err(refusal(folder, &path, None, &me));
+        }
         for _ in 0..LOOKS {
             match fs::read_to_string(&path) {
                 Ok(found) => {
@@ -164,11 +167,14 @@ fn started(pid: u32) -> Option<u64> {
 }
 
 fn refusal(folder: &Path, path: &Path, holder: Option<&Holder>, me: &Holder) -> Error {
+    // what others have written goes to a terminal
+    let plain = |text: &str| text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let shown = holder.map(|it| Holder { host: plain(&it.host), command: plain(&it.command), ..it.clone() });
     let since = fs::metadata(path).and_then(|found| found.modified()).ok();
     let age = since.and_then(|then| SystemTime::now().duration_since(then).ok());
     let age = age.map_or_else(String::new, |age| format!(", since {} s", age.as_secs()));
     let remedy = "choose another folder with --out";
-    let problem = match holder {
+    let problem = match &shown {
         Some(Holder { pid, command, .. }) if holder.is_some_and(|h| h.state(me) == State::Alive) => {
             format!(
                 "another run is writing there: process {pid} ({command}){age}; {remedy}, or wait until it ends"

@@ -96,6 +96,9 @@ impl Table {
     /// # Errors
     /// If it cannot be read.
     pub fn read(path: &Path) -> Result<Self> {
+        if !std::fs::metadata(path).map_err(io("read", path))?.is_file() {
+            return Err(Error::Content { path: path.into(), problem: "it is no file".into() });
+        }
         let text = std::fs::read_to_string(path).map_err(io("read", path))?;
         let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
         let mut rows = entries(whole).into_iter();

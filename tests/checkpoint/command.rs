@@ -98,6 +98,12 @@ fn output_that_is_missing_damaged_or_asked_for_anew_is_said_and_begins_anew() {
         steps.is_sorted() && !steps.contains(&3) && steps.contains(&4) && steps.contains(&15),
         "{steps:?}"
     );
+    // rows that are lost are told, too
+    let history = parts.join("history.csv");
+    let rows = ok(std::fs::read_to_string(&history));
+    ok(std::fs::write(&history, &rows[..rows.len() / 2]));
+    let again = sinew(&["run", "--restart", text(&parts), "--steps", "16", "-q"]);
+    assert!(again.status.success() && words(&again).contains("rows are missing"), "{}", words(&again));
     let output = sinew(&["run", "--restart", text(&parts), "--steps", "20", "-q"]);
     assert!(output.status.success(), "{}", words(&output));
     assert!(ok(sinew::output::vtkhdf::Reader::open(&particles)).frames() > steps.len());

@@ -18,7 +18,8 @@ fn a_completed_run_is_complete_and_can_go_further() {
     let again = restart(&parts, &[]);
     completed(&again);
     assert!(
-        words(&again).contains("is complete: 11 steps") && words(&again).contains("--until"),
+        words(&again).contains("is complete: 11 steps")
+            && words(&again).contains("run.steps (--steps) ends it"),
         "{}",
         words(&again)
     );

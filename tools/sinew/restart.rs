@@ -36,8 +36,10 @@ pub fn resume(
     let complete = first && is_complete(folder, &scene, &checkpoint);
     if collective::bytes_from_first(&mut *network, &[complete.into()]).map_err(RunError::from)? == [1] {
         if first {
+            let steps = scene.run.steps.filter(|most| checkpoint.head.steps >= *most);
+            let bound = steps.map_or("run.until (--until)", |_| "run.steps (--steps)");
             say!(
-                "{} is complete: {} steps, {:.4} ms; go further with --until or --steps",
+                "{} is complete: {} steps, {:.4} ms, where {bound} ends it; go further with a later one",
                 folder.display(),
                 checkpoint.head.steps,
                 1e3 * checkpoint.head.time
@@ -85,8 +87,8 @@ fn same(checkpoint: &Reader, scene: &Scene, isa: Isa, force: bool) -> Result<(),
     let (head, file) = (&checkpoint.head, checkpoint.path().display());
     if let Some(difference) = first_difference(&head.scene, &scene.resolved) {
         return Err(Failure::usage(format!(
-            "{file} is a checkpoint of another scene: {difference}. A restart may change run.until, run.steps, run.threads, \
-             run.patches and what is in [output]; for another scene begin another run"
+            "{file} is a checkpoint of another scene: {difference}. A restart may change run.until, run.steps, run.leaving, \
+             run.threads, run.patches and what is in [output]; for another scene begin another run"
         )));
     }
     for (what, there, here) in

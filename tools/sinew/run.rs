@@ -72,7 +72,11 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
         simulation.network().part(None);
         return Ok(());
     }
-    show(&simulation.scene, folder)
+    // the run is complete, whatever becomes of its pictures
+    if let Err(failure) = show(&simulation.scene, folder) {
+        tell!("warning: {}", failure.message());
+    }
+    Ok(())
 }
 
 /// Wound table and pictures, if the scene has them.

@@ -68,7 +68,10 @@ impl Writer {
             let file = file(path, entry.number);
             match seal::stated(&file) {
                 Ok(digest) if digest == entry.digest => entries.push(entry),
-                Ok(_) => warnings.push(set_aside(&file, "it is of another run")?),
+                Ok(_) => {
+                    let problem = format!("{}: the index names another frame there", file.display());
+                    warnings.push(set_aside(&file, &problem)?);
+                }
                 Err(error) => warnings.push(set_aside(&file, &error.to_string())?),
             }
         }

@@ -28,6 +28,12 @@ pub fn stored_frame_interval(resolved: &str) -> Option<f64> {
     Some(until / frames.max(1) as f64)
 }
 
+/// Steps between two rows of the history, of a scene as it is written in a checkpoint.
+pub fn stored_history_every(resolved: &str) -> Option<u64> {
+    let scene: toml::Table = resolved.parse().ok()?;
+    scene.get("output")?.get("history-every")?.as_integer()?.try_into().ok()
+}
+
 /// Whether frame `number`, counted from 0, is due at a time.
 pub fn frame(time: f64, number: usize, scene: &Scene) -> bool {
     time >= number as f64 * frame_interval(scene) * (1.0 - HAIR)

@@ -1,8 +1,8 @@
 //! The files of a run, on the rank that has them.
-use super::rows;
+use super::{due, rows};
 use crate::output::checkpoint::{self, Head};
 use crate::output::create::{remove, write_whole};
-use crate::output::history::History;
+use crate::output::history::{History, Table};
 use crate::output::{self, vtkhdf};
 use scene::Scene;
 use std::path::{Path, PathBuf};
@@ -86,7 +86,7 @@ impl Files {
         // what is refused is refused before anything is changed
         vtkhdf::refuse_link(&index)?;
         let end = if dropped[0] { head.time.next_down() } else { head.time };
-        let history = resume_history(&folder.join(HISTORY), scene, end, &mut warnings)?;
+        let history = resume_history(&folder.join(HISTORY), scene, (head, end), &mut warnings)?;
         checkpoint::set_aside(folder, damaged)?;
         remove(&folder.join(SUMMARY))?;
         write_whole(&folder.join(SCENE), scene.resolved.as_bytes())?;
@@ -112,11 +112,26 @@ impl Files {
     }
 }
 
+/// What is wrong with the rows until a checkpoint, if they are not in order, or do not reach it.
+fn missing_rows(path: &Path, head: &Head) -> Option<String> {
+    let steps = Table::read(path).ok()?.column("step")?;
+    let every = due::stored_history_every(&head.scene)?.max(1);
+    let (first, last) = (*steps.first().unwrap_or(&f64::NAN), *steps.last().unwrap_or(&f64::NAN));
+    let in_order = first == 0.0 && steps.is_sorted_by(|a, b| a < b);
+    (!in_order || last < (head.steps - head.steps % every) as f64).then(|| {
+        format!(
+            "{}: rows are missing or not in order: it has steps {first} to {last}, where the checkpoint is of step {}",
+            path.display(),
+            head.steps
+        )
+    })
+}
+
 /// The history until a time [s]; a damaged one is set aside.
 fn resume_history(
     path: &Path,
     scene: &Scene,
-    end: f64,
+    (head, end): (&Head, f64),
     warnings: &mut Vec<String>,
 ) -> output::Result<History> {
     let columns = rows::columns(scene);
@@ -128,7 +143,10 @@ fn resume_history(
                 std::fs::rename(path, &aside).map_err(output::io("rename", path))?;
                 format!("{} is damaged, and now {}", path.display(), aside.display())
             }
-            history => return history,
+            history => {
+                warnings.extend(missing_rows(path, head));
+                return history;
+            }
         },
     };
     warnings.push(format!("{problem}: it begins anew"));
