@@ -127,11 +127,10 @@ fn lay_out(file: &File, fields: &[Field], entries: &[Entry]) -> hdf5::Result<()>
             unit(&made, symbol)?;
         }
     }
-    let offsets = root.create_group("Steps/PointDataOffsets")?;
+    root.create_group("Steps/PointDataOffsets")?;
     for column in data.member_names()? {
         root.link_hard(name::OFFSETS, &format!("Steps/PointDataOffsets/{column}"))?;
     }
-    drop(offsets);
     Ok(())
 }
 

@@ -27,8 +27,11 @@ impl Backup {
 
     /// Whether this rank's clock and memory say that it is time for another one.
     pub fn is_due(&self, simulation: &Simulation) -> bool {
-        let free = crate::input::available_memory().unwrap_or(usize::MAX);
-        let fits = || simulation.bytes().0 < free / MEMORY;
+        // asked only of a clock that says yes: the system is not asked for its memory at every step
+        let fits = || {
+            let free = crate::input::available_memory().unwrap_or(usize::MAX);
+            simulation.bytes().0 < free / MEMORY
+        };
         self.last.elapsed().as_secs_f64() > SHARE * self.took && fits()
     }
 
@@ -45,19 +48,19 @@ impl Backup {
         Ok(())
     }
 
-    /// Writes what was kept, if no checkpoint is later; whether it was. All ranks call it.
+    /// Writes what was kept, if no checkpoint is later. All ranks call it.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn write(self, folder: &Path, simulation: &mut Simulation) -> output::Result<bool> {
-        let Some(kept) = self.kept else { return Ok(false) };
+    pub fn write(self, folder: &Path, simulation: &mut Simulation) -> output::Result<()> {
+        let Some(kept) = self.kept else { return Ok(()) };
         let path = checkpoint::path(folder, kept.steps());
         let mut later = [u64::from(simulation.network().rank() == 0 && is_there(folder, &path))];
         engine::exec::ranks::collective::sum(simulation.network(), &mut later)?;
         if later[0] == 0 {
             kept.write(folder, simulation.network())?;
         }
-        Ok(later[0] == 0)
+        Ok(())
     }
 }
 

@@ -78,7 +78,7 @@ impl Mpi {
     }
 
     /// Whether the launcher forgets how ranks ended once it has passed a signal on to them (Hydra, of MPICH).
-    pub fn forgets(&self) -> bool {
+    fn forgets(&self) -> bool {
         mpi::environment::library_version().is_ok_and(|name| name.contains("MPICH"))
     }
 
