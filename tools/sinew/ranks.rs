@@ -8,6 +8,7 @@ use scene::Scene;
 use simd::Isa;
 use sinew::input::Written;
 use sinew::output::together::path_from_first;
+use std::path::Path;
 
 /// The ranks that were launched together.
 pub struct Crew {
@@ -32,6 +33,27 @@ impl Crew {
         let isa = greet(&mut *network)?;
         Ok(Self { network, site, isa })
     }
+
+    /// The host of this rank, where ranks run on several: there a path alone does not say where a file lies.
+    pub fn host(&self) -> Option<String> {
+        (self.site.ranks < self.network.size()).then(launch::host)
+    }
+}
+
+/// Where something lies: `path`, or `host:/whole/path`.
+pub fn place(host: Option<&str>, path: &Path) -> String {
+    match host {
+        Some(host) => {
+            let whole = std::path::absolute(path);
+            format!("{host}:{}", whole.as_deref().unwrap_or(path).display())
+        }
+        None => path.display().to_string(),
+    }
+}
+
+/// A rank and where it runs, for messages of ranks that rank 0 may be far from.
+pub fn named(rank: usize) -> String {
+    format!("rank {rank} (host {})", launch::host())
 }
 
 /// Gives the scene its threads, if nobody asked for a number, and says what stands in their way. None goes on where MPI
@@ -60,7 +82,7 @@ pub fn agree<T>(network: &mut dyn Network, mine: Result<T, Failure>) -> Result<T
         Some((first, _)) if first != network.rank() => Err(Failure::Elsewhere),
         // who fails alone says so; what rank 0 knows, it says at its end
         Some((first, problem)) if first > 0 => mine.map_err(|failure| {
-            tell!("on rank {first}: {problem}");
+            tell!("on {}: {problem}", named(first));
             Failure::Told(failure.status())
         }),
         _ => mine,
