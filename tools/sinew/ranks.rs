@@ -7,6 +7,7 @@ use engine::exec::ranks::{Network, NetworkError, collective};
 use scene::Scene;
 use simd::Isa;
 use sinew::input::Written;
+use sinew::input::identity::first_difference;
 use sinew::output::together::path_from_first;
 use std::path::Path;
 
@@ -98,7 +99,20 @@ pub fn scene(
     let found = if network.rank() == 0 { find().map(Some) } else { Ok(None) };
     let Written { file, text } = agree(network, found)?.unwrap_or_default();
     let file = path_from_first(network, &file).map_err(lost)?;
-    let text = collective::bytes_from_first(network, text.as_bytes()).map_err(lost)?;
-    let written = Written { file, text: String::from_utf8_lossy(&text).into_owned() };
-    agree(network, written.scene(overrides).map_err(Failure::from))
+    let text = text_from_first(network, &text)?;
+    let scene = agree(network, Written { file, text }.scene(overrides).map_err(Failure::from))?;
+    let first = text_from_first(network, &scene.resolved)?;
+    // under one path there may be other meshes
+    let differs = first_difference(&first, &scene.resolved).map(|difference| {
+        Failure::usage(format!(
+            "the scene is not that of rank 0: {difference}. All ranks read the files of meshes: put the same ones under one \
+             path on all hosts"
+        ))
+    });
+    agree(network, differs.map_or(Ok(scene), Err))
+}
+
+fn text_from_first(network: &mut dyn Network, text: &str) -> Result<String, Failure> {
+    let bytes = collective::bytes_from_first(network, text.as_bytes()).map_err(lost)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
