@@ -57,7 +57,7 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
             return Err(Failure::Run(format!("{error}{last}")));
         }
         End::Interrupted => {
-            let (reason, status) = stop.reason();
+            let (reason, status) = stop.reason(simulation.network())?;
             let message = match first {
                 true => stopped(reason, summary.steps, folder, host.as_deref()),
                 false => String::new(),
