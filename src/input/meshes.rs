@@ -59,7 +59,7 @@ fn bytes(path: &Path) -> std::io::Result<Vec<u8>> {
 
 fn unreadable(file: &Node, path: &Path, why: &str) -> Fault {
     Fault::new(file.place, format!("cannot read {}: {why}", path.display()))
-        .help("give an STL file; its path counts from the folder of the scene")
+        .help("give an STL file; its path counts from the folder of the scene, and all hosts that run ranks must see it there")
 }
 
 /// The mesh of a table whose file is located.

@@ -69,6 +69,14 @@ has_libclang() {
         { [ "$(uname -s)" = Darwin ] && xcode-select -p >/dev/null 2>&1; }
 }
 
+# MPICH beside the default MPI, which stays that.
+has_mpich() { command -v mpirun.mpich >/dev/null && [ -e "$(mpicc.mpich -show 2>/dev/null | sed 's/.*-I\([^ ]*\).*/\1/')/mpi.h" ]; }
+
+# What tests/hosts makes two hosts of.
+has_hosts() { command -v ip >/dev/null && command -v unshare >/dev/null && has_sshd; }
+
+has_sshd() { PATH=$PATH:/usr/sbin:/sbin command -v sshd >/dev/null; }
+
 # Arguments of cargo: Sinew with MPI where there is one.
 features() { has_mpi && printf '%s\n' --features mpi || true; }
 
@@ -116,7 +124,24 @@ install() {
         stop "could not install $*: see above"
 }
 
-# Sees to all that a build needs; with `mpi` also to MPI, with `python` to what the check of particle files needs.
+# Installs what tests/hosts needs, as root; false if it cannot. The tests start an sshd of their own: who has had none gets no
+# running one.
+install_hosts() (
+    if has_sshd; then
+        install iproute2
+        return
+    fi
+    policy=/usr/sbin/policy-rc.d
+    if [ ! -e "$policy" ]; then
+        trap 'rm -f "$policy"' EXIT
+        printf '#!/bin/sh\nexit 101\n' >"$policy" && chmod +x "$policy"
+    fi
+    install iproute2 openssh-server || return
+    systemctl --quiet disable ssh.service ssh.socket 2>/dev/null || true
+)
+
+# Sees to all that a build needs; with `mpi` also to MPI, with `mpich` to a second one, with `python` to what the check of
+# particle files needs, with `hosts` to tests/hosts.
 need_packages() {
     local debian=() others=() wanted=" $* "
     has_linker || { debian+=(gcc libc6-dev) others+=("a C compiler"); }
@@ -124,6 +149,9 @@ need_packages() {
     has_certificates || { debian+=(ca-certificates) others+=("TLS certificates"); }
     if [[ $wanted = *' mpi '* ]] && ! has_mpi; then
         debian+=(openmpi-bin libopenmpi-dev libclang-dev) others+=("MPI with its headers" "libclang")
+    fi
+    if [[ $wanted = *' mpich '* ]] && ! has_mpich && command -v apt-get >/dev/null; then
+        debian+=(mpich libmpich-dev)
     fi
     if [[ $wanted = *' python '* ]] && ! has_readers && ! has_venv; then
         debian+=(python3 python3-venv) others+=("Python 3 with venv")
@@ -144,6 +172,10 @@ need_packages() {
             fi
             stop "  by your system's package manager, or set HDF5_DIR to an HDF5 that is elsewhere"
         fi
+    fi
+    # nobody else can make hosts
+    if [[ $wanted = *' hosts '* ]] && ! has_hosts && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+        install_hosts || say "what tests/hosts needs could not be installed"
     fi
     point_at_hdf5
 }

@@ -1,4 +1,5 @@
 //! How a subcommand fails: what is printed, and the exit status.
+use super::ranks::named;
 use super::say::tell;
 use engine::exec::ranks::launch::Launch;
 use miette::Report;
@@ -58,7 +59,7 @@ impl Failure {
         let rank = Launch::of_this_process().rank;
         match (&self, rank) {
             (Failure::Told(_), _) => {}
-            (Failure::Local(_), 1..) => tell!("on rank {rank}: {}", self.message()),
+            (Failure::Local(_), 1..) => tell!("on {}: {}", named(rank), self.message()),
             (Failure::Elsewhere, _) | (_, 1..) => return ExitCode::SUCCESS,
             _ => tell!("{}", self.message()),
         }

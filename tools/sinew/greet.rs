@@ -3,7 +3,7 @@ use super::fail::Failure;
 use super::ranks::lost;
 use super::say::tell;
 use engine::exec::ranks::words::{put, take};
-use engine::exec::ranks::{Network, collective};
+use engine::exec::ranks::{Network, collective, launch};
 use serde::{Deserialize, Serialize};
 use simd::Isa;
 use sinew::output::checkpoint::VERSION;
@@ -13,6 +13,8 @@ use twox_hash::XxHash3_128;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Greeting {
     version: String,
+    /// Name of its machine.
+    host: String,
     /// Digest of the program.
     build: String,
     /// What it was started with.
@@ -55,6 +57,7 @@ impl Greeting {
         let program = std::fs::read("/proc/self/exe").or_else(|_| std::fs::read(std::env::current_exe()?));
         Self {
             version: VERSION.into(),
+            host: launch::host(),
             build: format!("{:032x}", XxHash3_128::oneshot(&program.unwrap_or_default())),
             words: words.join(" "),
             sets: Isa::available().into_iter().map(|isa| isa.name().into()).collect(),
@@ -65,15 +68,19 @@ impl Greeting {
 
 /// Whether a rank is something else than rank 0.
 fn differs(first: &Greeting, rank: usize, other: &Greeting) -> Result<(), Failure> {
+    let rank = match other.host == first.host {
+        true => format!("rank {rank}"),
+        false => format!("rank {rank} (host {})", other.host),
+    };
     let problem = if other.version != first.version {
-        format!("rank {rank} is Sinew {}, rank 0 is Sinew {}", other.version, first.version)
+        format!("{rank} is Sinew {}, rank 0 is Sinew {}", other.version, first.version)
     } else if other.build != first.build {
         format!(
-            "rank {rank} is another build of Sinew {} than rank 0: results would have mixed bits",
+            "{rank} is another build of Sinew {} than rank 0: results would have mixed bits",
             first.version
         )
     } else if other.words != first.words {
-        format!("rank {rank} was started as `sinew {}`, rank 0 as `sinew {}`", other.words, first.words)
+        format!("{rank} was started as `sinew {}`, rank 0 as `sinew {}`", other.words, first.words)
     } else {
         return Ok(());
     };
@@ -137,6 +144,10 @@ mod tests {
         for (other, fact) in [
             (Greeting { version: "2".into(), ..first.clone() }, "rank 3 is Sinew 2, rank 0 is Sinew 1"),
             (Greeting { build: "b".into(), ..first.clone() }, "another build"),
+            (
+                Greeting { build: "b".into(), host: "far".into(), ..first.clone() },
+                "rank 3 (host far) is another build",
+            ),
             (Greeting { words: "run b".into(), ..first.clone() }, "`sinew run b`, rank 0 as `sinew run a`"),
         ] {
             let said = differs(&first, 3, &other).expect_err("it differs").message();

@@ -7,7 +7,9 @@ use engine::exec::ranks::{Network, NetworkError, collective};
 use scene::Scene;
 use simd::Isa;
 use sinew::input::Written;
+use sinew::input::identity::first_difference;
 use sinew::output::together::path_from_first;
+use std::path::Path;
 
 /// The ranks that were launched together.
 pub struct Crew {
@@ -32,6 +34,27 @@ impl Crew {
         let isa = greet(&mut *network)?;
         Ok(Self { network, site, isa })
     }
+
+    /// The host of this rank, where ranks run on several: there a path alone does not say where a file lies.
+    pub fn host(&self) -> Option<String> {
+        (self.site.ranks < self.network.size()).then(launch::host)
+    }
+}
+
+/// Where something lies: `path`, or `host:/whole/path`.
+pub fn place(host: Option<&str>, path: &Path) -> String {
+    match host {
+        Some(host) => {
+            let whole = std::path::absolute(path);
+            format!("{host}:{}", whole.as_deref().unwrap_or(path).display())
+        }
+        None => path.display().to_string(),
+    }
+}
+
+/// A rank and where it runs, for messages of ranks that rank 0 may be far from.
+pub fn named(rank: usize) -> String {
+    format!("rank {rank} (host {})", launch::host())
 }
 
 /// Gives the scene its threads, if nobody asked for a number, and says what stands in their way. None goes on where MPI
@@ -60,7 +83,7 @@ pub fn agree<T>(network: &mut dyn Network, mine: Result<T, Failure>) -> Result<T
         Some((first, _)) if first != network.rank() => Err(Failure::Elsewhere),
         // who fails alone says so; what rank 0 knows, it says at its end
         Some((first, problem)) if first > 0 => mine.map_err(|failure| {
-            tell!("on rank {first}: {problem}");
+            tell!("on {}: {problem}", named(first));
             Failure::Told(failure.status())
         }),
         _ => mine,
@@ -76,7 +99,20 @@ pub fn scene(
     let found = if network.rank() == 0 { find().map(Some) } else { Ok(None) };
     let Written { file, text } = agree(network, found)?.unwrap_or_default();
     let file = path_from_first(network, &file).map_err(lost)?;
-    let text = collective::bytes_from_first(network, text.as_bytes()).map_err(lost)?;
-    let written = Written { file, text: String::from_utf8_lossy(&text).into_owned() };
-    agree(network, written.scene(overrides).map_err(Failure::from))
+    let text = text_from_first(network, &text)?;
+    let scene = agree(network, Written { file, text }.scene(overrides).map_err(Failure::from))?;
+    let first = text_from_first(network, &scene.resolved)?;
+    // under one path there may be other meshes
+    let differs = first_difference(&first, &scene.resolved).map(|difference| {
+        Failure::usage(format!(
+            "the scene is not that of rank 0: {difference}. All ranks read the files of meshes: put the same ones under one \
+             path on all hosts"
+        ))
+    });
+    agree(network, differs.map_or(Ok(scene), Err))
+}
+
+fn text_from_first(network: &mut dyn Network, text: &str) -> Result<String, Failure> {
+    let bytes = collective::bytes_from_first(network, text.as_bytes()).map_err(lost)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }

@@ -20,6 +20,8 @@ use std::path::Path;
 pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
     let mut stop = Stop::read(args.wall.as_deref())?;
     let first = crew.network.rank() == 0;
+    let host = crew.host();
+    let place = |path: &Path| ranks::place(host.as_deref(), path);
     let begun = match &args.restart {
         Some(folder) => restart::resume(args, folder, crew)?,
         None => Some(begin(args, crew)?),
@@ -28,6 +30,9 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
     let Some((taken, mut simulation, mut recorder)) = begun else { return Ok(()) };
     stop.watch(&mut simulation)?;
     let folder = &taken.path;
+    if let (true, false, Some(_)) = (first, args.quiet, &host) {
+        tell!("results go to {}", place(folder));
+    }
     let title = format!("{} ({})", simulation.scene.title, simulation.scene.name);
     let mut progress = Progress::begin(&title, &mut simulation, args.quiet)?;
     if args.trace {
@@ -42,19 +47,21 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
         simulation.write_trace(&folder.join("trace.json"))?;
     }
     if first {
-        print_summary(&summary, folder);
+        print_summary(&summary, &place(folder));
     }
     match end {
         End::Failed(error) => {
             let last = if first { checkpoint::last_whole(folder).ok() } else { None };
-            let last = last.map_or_else(String::new, |last| {
-                format!("\nThe last state before is {}", last.path.display())
-            });
+            let last = last
+                .map_or_else(String::new, |last| format!("\nThe last state before is {}", place(&last.path)));
             return Err(Failure::Run(format!("{error}{last}")));
         }
         End::Interrupted => {
-            let (reason, status) = stop.reason();
-            let message = if first { stopped(reason, summary.steps, folder) } else { String::new() };
+            let (reason, status) = stop.reason(simulation.network())?;
+            let message = match first {
+                true => stopped(reason, summary.steps, folder, host.as_deref()),
+                false => String::new(),
+            };
             if first && simulation.network().size() > 1 {
                 tell!("{message}");
                 simulation.network().end_by_signal(status.into());
@@ -138,11 +145,15 @@ fn march(
 }
 
 /// What to say of a run that has stopped.
-fn stopped(reason: &str, steps: u64, folder: &Path) -> String {
+fn stopped(reason: &str, steps: u64, folder: &Path, host: Option<&str>) -> String {
+    let named = |path: &Path| match (host, path.file_name()) {
+        (None, Some(name)) => name.display().to_string(),
+        _ => ranks::place(host, path),
+    };
     match checkpoint::last_whole(folder) {
         Ok(last) => format!(
             "{reason} after step {steps}; {} is there: go on with: sinew run --restart {}",
-            last.path.file_name().unwrap_or_default().display(),
+            named(&last.path),
             folder.display()
         ),
         Err(_) => format!(
@@ -152,9 +163,9 @@ fn stopped(reason: &str, steps: u64, folder: &Path) -> String {
     }
 }
 
-fn print_summary(summary: &Summary, folder: &Path) {
+fn print_summary(summary: &Summary, place: &str) {
     let e = &summary.energy_j;
-    say!("results        {}", folder.display());
+    say!("results        {place}");
     say!("simulated      {:.4} ms in {} steps", 1e3 * summary.time_s, summary.steps);
     say!(
         "wall time      {:.1} s, {:.2} million particle updates a second and core ({}, {} threads)",

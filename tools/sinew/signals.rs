@@ -33,13 +33,10 @@ impl Signals {
         self.0.load(Ordering::Relaxed) > 0
     }
 
-    /// The exit status of a run that one ended. If it reached another rank alone, it counts as SIGTERM.
-    pub fn exit_status(&self) -> u8 {
-        let signal = match self.0.load(Ordering::Relaxed) {
-            0 => SIGTERM as usize,
-            signal => signal,
-        };
-        u8::try_from(BY_SIGNAL as usize + signal).unwrap_or(1)
+    /// The exit status of a run that the one which came has ended.
+    pub fn exit_status(&self) -> Option<u8> {
+        let signal = self.0.load(Ordering::Relaxed);
+        (signal > 0).then(|| u8::try_from(BY_SIGNAL as usize + signal).unwrap_or(1))
     }
 }
 

@@ -1,6 +1,8 @@
 //! What stops a run before its end: a signal, or the time that it may take (`--wall`).
 use super::fail::Failure;
+use super::ranks::lost;
 use super::signals::Signals;
+use engine::exec::ranks::{Network, collective};
 use physics::parameter::Dimension;
 use sinew::input::units;
 use sinew::simulation::Simulation;
@@ -71,11 +73,15 @@ impl Stop {
         self.late || self.signals.as_ref().is_some_and(Signals::came)
     }
 
-    /// What to say of a run that has stopped, and its exit status.
-    pub fn reason(&self) -> (&'static str, u8) {
-        match &self.signals {
-            Some(signals) if signals.came() || !self.late => ("interrupted", signals.exit_status()),
-            _ => ("out of time (--wall)", OUT_OF_TIME),
+    /// What to say of a run that has stopped, and its exit status. All ranks call it: one alone may have seen the reason.
+    pub fn reason(&self, network: &mut dyn Network) -> Result<(&'static str, u8), Failure> {
+        let signal = self.signals.as_ref().and_then(Signals::exit_status);
+        let mine = signal.unwrap_or(if self.late { OUT_OF_TIME } else { 0 });
+        let all = collective::share(network, &[mine.into()]).map_err(lost)?;
+        // the statuses of signals are above that of the time, and come before it
+        match all.iter().flatten().filter_map(|&status| u8::try_from(status).ok()).max() {
+            Some(status) if status > OUT_OF_TIME => Ok(("interrupted", status)),
+            _ => Ok(("out of time (--wall)", OUT_OF_TIME)),
         }
     }
 }

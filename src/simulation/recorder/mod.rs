@@ -4,6 +4,7 @@ mod backup;
 mod due;
 mod files;
 mod rows;
+mod seen;
 mod summarize;
 
 use super::Simulation;
@@ -87,7 +88,7 @@ pub fn last_checkpoint(
     let found = together::agree(network, found)?;
     let path = found.as_ref().map_or_else(PathBuf::new, |found| found.path.clone());
     let path = together::path_from_first(network, &path)?;
-    let reader = together::agree(network, Reader::open_verified(&path))?;
+    let reader = seen::open(network, &path)?;
     let none = checkpoint::Found { path, damaged: Vec::new(), warnings: Vec::new() };
     Ok((reader, found.unwrap_or(none)))
 }

@@ -61,6 +61,13 @@ pub struct Machine {
     pub threading: Threading,
 }
 
+/// Name of the machine on which this process runs.
+pub fn host() -> String {
+    let name =
+        std::fs::read_to_string("/proc/sys/kernel/hostname").ok().or_else(|| env::var("HOSTNAME").ok());
+    name.map_or_else(|| "unknown".into(), |name| name.trim().into())
+}
+
 /// Whether a rank may have so many threads.
 ///
 /// # Errors
