@@ -67,7 +67,8 @@ impl Files {
     pub fn create(folder: &Path, run: RunId, scene: &Scene) -> output::Result<Self> {
         let cannot = |source| output::Error::Io { action: "create", path: folder.into(), source };
         std::fs::create_dir_all(folder).map_err(cannot)?;
-        let files = FILES.iter().map(|file| folder.join(file));
+        // the scene first: alone, after a kill, it would pass for somebody's
+        let files = FILES.iter().rev().map(|file| folder.join(file));
         for file in files.chain(checkpoint::list(folder)) {
             remove(&file)?;
         }
