@@ -3,10 +3,20 @@
 
 use sinew::output::compare::frame_particles;
 use sinew::output::frame::Field;
+use sinew::output::run_id::RunId;
 use sinew::output::snapshot::Snapshot;
-use sinew::output::vtkhdf::{Reader, Writer};
+use sinew::output::vtkhdf::{Found, Reader, Writer};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+/// Whose frames most of these are.
+fn run() -> RunId {
+    RunId::default()
+}
+
+fn resume(path: &Path, frames: u64) -> sinew::output::Result<(Writer, Vec<String>)> {
+    Writer::resume(path, Found::look(path, run(), frames)?)
+}
 
 fn field(name: &str, unit: &str, components: usize) -> Field {
     Field { name: name.into(), unit: unit.into(), components }
@@ -33,8 +43,12 @@ fn snapshot(k: u64, n: usize) -> Snapshot {
 }
 
 fn write(path: &Path, counts: &[usize]) -> Vec<Snapshot> {
+    write_as(run(), path, counts)
+}
+
+fn write_as(run: RunId, path: &Path, counts: &[usize]) -> Vec<Snapshot> {
     let frames: Vec<_> = counts.iter().enumerate().map(|(k, &n)| snapshot(k as u64, n)).collect();
-    let mut writer = Writer::create(path).unwrap();
+    let mut writer = Writer::create(path, run).unwrap();
     for frame in &frames {
         writer.append(frame).unwrap();
     }
@@ -87,7 +101,7 @@ fn frames_longer_than_a_chunk_and_a_single_particle() {
 fn the_file_is_readable_after_every_append() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("particles.vtkhdf");
-    let mut writer = Writer::create(&path).unwrap();
+    let mut writer = Writer::create(&path, run()).unwrap();
     assert_eq!(Reader::open(&path).unwrap().frames(), 0);
     for k in 0..3 {
         let frame = snapshot(k, 6 - k as usize);
@@ -104,7 +118,7 @@ fn the_file_is_readable_after_every_append() {
 fn many_frames_are_named_when_the_disk_has_them() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("particles.vtkhdf");
-    let mut writer = Writer::create(&path).unwrap();
+    let mut writer = Writer::create(&path, run()).unwrap();
     (0..200).for_each(|k| writer.append(&snapshot(k, 3)).unwrap());
     let named = Reader::open(&path).unwrap().frames();
     assert!((64..=200).contains(&named), "{named}");
@@ -114,7 +128,7 @@ fn many_frames_are_named_when_the_disk_has_them() {
     // a run that was killed has named too few: the frames that a checkpoint counts are named by then
     writer.append(&snapshot(200, 3)).unwrap();
     drop(writer);
-    let (writer, warnings) = Writer::resume(&path, 200).unwrap();
+    let (writer, warnings) = resume(&path, 200).unwrap();
     assert_eq!((writer.frames(), warnings), (200, Vec::new()));
     assert_eq!(Reader::open(&path).unwrap().frames(), 200);
 }
@@ -124,7 +138,7 @@ fn a_restart_goes_on_after_the_frames_it_knows() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("particles.vtkhdf");
     write(&path, &[7, 6, 5]);
-    let (mut writer, warnings) = Writer::resume(&path, 2).unwrap();
+    let (mut writer, warnings) = resume(&path, 2).unwrap();
     assert_eq!((writer.frames(), warnings), (2, Vec::new()));
     assert!(!frame_file(&path, 2).exists());
     writer.append(&snapshot(8, 4)).unwrap();
@@ -157,7 +171,7 @@ fn a_damaged_a_missing_and_a_foreign_frame_are_one_frame_each() {
     let [path, other] = ["one/particles.vtkhdf", "other/particles.vtkhdf"].map(|p| folder.path().join(p));
     [&path, &other].iter().for_each(|path| std::fs::create_dir(path.parent().unwrap()).unwrap());
     let frames = write(&path, &[7, 6, 5, 4, 3]);
-    write(&other, &[2, 3]);
+    write_as(RunId::new(), &other, &[2, 3]);
     let damaged = frame_file(&path, 3);
     let mut bytes = std::fs::read(&damaged).unwrap();
     bytes[2000] ^= 1;
@@ -171,7 +185,7 @@ fn a_damaged_a_missing_and_a_foreign_frame_are_one_frame_each() {
     }
     assert_eq!((reader.frame(0).unwrap(), reader.frame(4).unwrap()), (frames[0].clone(), frames[4].clone()));
     // a restart leaves out what cannot be one of its frames; what it does not read it need not check
-    let (mut writer, warnings) = Writer::resume(&path, 5).unwrap();
+    let (mut writer, warnings) = resume(&path, 5).unwrap();
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(frame_file(&path, 1).with_added_extension("damaged").exists());
     writer.append(&snapshot(9, 4)).unwrap();
@@ -192,12 +206,46 @@ fn an_index_that_is_lost_is_made_anew_of_the_frames() {
             std::fs::write(&path, b"nothing").unwrap();
         }
         assert!(Reader::open(&path).is_err());
-        let (_, warnings) = Writer::resume(&path, 3).unwrap();
+        let (_, warnings) = resume(&path, 3).unwrap();
         assert!(warnings.len() == 1 && warnings[0].contains("made anew of its frames"), "{warnings:?}");
         let reader = Reader::open(&path).unwrap();
         assert!((0..3).all(|k| reader.frame(k).unwrap() == frames[k]));
         check_with_vtk(&path);
     }
+}
+
+/// Files of two runs in one folder: a copy that went wrong, a backup that was put back.
+#[test]
+fn what_another_run_wrote_is_not_taken_for_a_frame_of_this_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, other] = ["one/particles.vtkhdf", "other/particles.vtkhdf"].map(|p| folder.path().join(p));
+    [&path, &other].iter().for_each(|path| std::fs::create_dir(path.parent().unwrap()).unwrap());
+    write_as(RunId::new(), &other, &[3, 3, 3]);
+    let names = |frames: &Reader| frames.times().iter().map(|t| (1e3 * t).round() as u64).collect::<Vec<_>>();
+    // their index, over frames of this run: those are whole, and stay
+    let frames = write(&path, &[7, 6, 5]);
+    std::fs::copy(&other, &path).unwrap();
+    assert!(Reader::open(&path).unwrap().frame(1).is_err());
+    let (_, warnings) = resume(&path, 3).unwrap();
+    assert!(warnings.len() == 1 && warnings[0].contains("index of another run"), "{warnings:?}");
+    let reader = Reader::open(&path).unwrap();
+    assert!(names(&reader) == [0, 1, 2] && (0..3).all(|k| reader.frame(k).unwrap() == frames[k]));
+    // their index and a frame that goes with it
+    std::fs::copy(&other, &path).unwrap();
+    std::fs::copy(frame_file(&other, 1), frame_file(&path, 1)).unwrap();
+    let (_, warnings) = resume(&path, 3).unwrap();
+    assert!(warnings.len() == 2 && warnings[1].contains("frame of another run"), "{warnings:?}");
+    assert_eq!(names(&Reader::open(&path).unwrap()), [0, 2]);
+    assert!(frame_file(&path, 1).with_added_extension("damaged").exists());
+    // a frame of this run that the index does not know
+    write(&path, &[7, 6, 5]);
+    let old = std::fs::read(frame_file(&path, 1)).unwrap();
+    let mut writer = Writer::create(&path, run()).unwrap();
+    (0..3).for_each(|k| writer.append(&snapshot(10 + k, 4)).unwrap());
+    std::fs::write(frame_file(&path, 1), old).unwrap();
+    let (_, warnings) = resume(&path, 3).unwrap();
+    assert!(warnings.len() == 1 && warnings[0].contains("is of this run"), "{warnings:?}");
+    assert_eq!(names(&Reader::open(&path).unwrap()), [10, 1, 12]);
 }
 
 /// HDF5 may crash on a file of which a byte is not what it was: no such file reaches it.
@@ -222,6 +270,13 @@ fn no_byte_can_change_unnoticed() {
         std::fs::write(&file, whole).unwrap();
         assert!(Reader::open(&path).unwrap().frame(1).is_ok());
     }
+}
+
+/// Tests that start processes beside this one hand them its locks for a moment.
+fn unlocked() -> hdf5::FileBuilder {
+    let mut builder = hdf5::File::with_options();
+    builder.with_fapl(|access| access.file_locking(false));
+    builder
 }
 
 /// Files with a good seal that Sinew has not written: others know how to seal, too.
@@ -275,7 +330,7 @@ fn crafted_frames_are_refused() {
         write(&path, &[4, 4]);
         let bytes = std::fs::read(&good).unwrap();
         std::fs::write(&good, &bytes[..bytes.len() - 32]).unwrap();
-        let file = hdf5::File::open_rw(&good).unwrap();
+        let file = unlocked().open_rw(&good).unwrap();
         craft(&file, &secret).unwrap();
         file.close().unwrap();
         sinew::output::seal::seal(&good).unwrap();
@@ -284,7 +339,7 @@ fn crafted_frames_are_refused() {
         assert!(said.contains("another run"), "{said}");
         // one that is made of the frames leaves it out, or it cannot be read
         std::fs::remove_file(&path).unwrap();
-        let (_, warnings) = Writer::resume(&path, 2).unwrap();
+        let (_, warnings) = resume(&path, 2).unwrap();
         let reader = Reader::open(&path).unwrap();
         let said = match reader.frames() {
             1 => warnings.join(" "),
@@ -299,7 +354,7 @@ fn crafted_frames_are_refused() {
 fn errors_name_the_file_and_what_is_wrong() {
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("no/particles.vtkhdf");
-    let message = Writer::create(&missing).unwrap_err().to_string();
+    let message = Writer::create(&missing, run()).unwrap_err().to_string();
     assert!(message.contains("cannot create") && message.contains("no/particles"), "{message}");
     assert!(Reader::open(&missing).unwrap_err().to_string().contains("folder exists"));
 
@@ -307,7 +362,7 @@ fn errors_name_the_file_and_what_is_wrong() {
     std::fs::write(&other, "not HDF5").unwrap();
     assert!(Reader::open(&other).unwrap_err().to_string().contains("other.vtkhdf"));
 
-    let mut writer = Writer::create(&other).unwrap();
+    let mut writer = Writer::create(&other, run()).unwrap();
     writer.append(&snapshot(0, 3)).unwrap();
     let mut changed = snapshot(1, 3);
     changed.columns.pop();
@@ -319,7 +374,7 @@ fn errors_name_the_file_and_what_is_wrong() {
 #[test]
 fn a_full_disk_is_an_error_and_earlier_frames_stay() {
     if let Ok(path) = std::env::var("SINEW_TEST_FULL_DISK") {
-        let mut writer = Writer::create(Path::new(&path)).unwrap();
+        let mut writer = Writer::create(Path::new(&path), run()).unwrap();
         let failure = (0..1000).find_map(|k| writer.append(&snapshot(k, 2_000 + 1_000 * k as usize)).err());
         println!("error: {}", failure.unwrap());
         return;
@@ -358,7 +413,7 @@ fn cost_of_a_large_frame() {
         noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         *x *= 1.0 + noise as f32 / u32::MAX as f32;
     }
-    let mut writer = Writer::create(&path).unwrap();
+    let mut writer = Writer::create(&path, run()).unwrap();
     for k in 0..3 {
         let start = std::time::Instant::now();
         writer.append(&frame).unwrap();

@@ -85,10 +85,13 @@ fn a_face_rubs_by_coulomb() {
     }
 }
 
-/// A ball that flies against a plate of a quarter of a cell.
+/// A ball that flies against a plate of a quarter of a cell, and of a hundredth.
 #[test]
 fn a_thin_plate_has_two_sides() {
-    for (center, speed) in [("8.2 mm", -0.6), ("0.8 mm", 0.6)] {
+    for (center, speed, top) in
+        [("8.2 mm", -0.6, "4.65e-3"), ("0.8 mm", 0.6, "4.65e-3"), ("8.2 mm", -0.6, "4.41e-3")]
+    {
+        let plate = format!("{{ box = {{ lower = [0, 0, 4.4e-3], upper = [40e-3, 8e-3, {top}] }} }}");
         let (shape, velocity) = (
             format!("{{ sphere = {{ center = [\"12 mm\", \"4 mm\", \"{center}\"], radius = \"3 mm\" }} }}"),
             format!("[0, 0, {speed}]"),
@@ -96,7 +99,7 @@ fn a_thin_plate_has_two_sides() {
         let ball: Overrides<'_> = &[
             ("body.block.shape", &shape),
             ("body.block.velocity", &velocity),
-            ("body.plate.shape", "{ box = { lower = [0, 0, 4.4e-3], upper = [40e-3, 8e-3, 4.65e-3] } }"),
+            ("body.plate.shape", &plate),
             ("load.gravity", "[0, 0, 0]"),
             ("domain.lower.2", "-4e-3"),
             ("domain.upper.2", "14e-3"),

@@ -81,6 +81,30 @@ impl Claim {
     }
 }
 
+impl Claim {
+    /// Looks whether the folder is still this process's. A lock that somebody has removed is put back, if nobody has taken the
+    /// folder since.
+    ///
+    /// # Errors
+    /// If another process has it now.
+    pub fn hold(&self) -> Result<()> {
+        let me = Holder::here();
+        let found = match fs::read_to_string(&self.path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => match place(&self.path, &self.text, &me)? {
+                true => return Ok(()),
+                false => fs::read_to_string(&self.path),
+            },
+            found => found,
+        };
+        match found {
+            Ok(text) if text == self.text => Ok(()),
+            // what cannot be read now may be this process's all the same
+            Err(error) if error.kind() != ErrorKind::NotFound => Ok(()),
+            found => Err(lost(&self.path, serde_json::from_str(&found.unwrap_or_default()).ok())),
+        }
+    }
+}
+
 impl Drop for Claim {
     fn drop(&mut self) {
         // somebody may have removed it by hand, and another run taken the folder
@@ -166,9 +190,24 @@ fn started(pid: u32) -> Option<u64> {
     if ended { None } else { fields.nth(18)?.parse().ok() }
 }
 
+fn lost(path: &Path, holder: Option<Holder>) -> Error {
+    let who = holder.map_or_else(
+        || "somebody else".into(),
+        |it| format!("process {} on {} ({})", it.pid, plain(&it.host), plain(&it.command)),
+    );
+    let problem = format!(
+        "it was removed, and {who} has the folder now: this run writes nothing more there. What it had written until then may be \
+         gone; run it again, with another --out"
+    );
+    Error::Content { path: path.into(), problem }
+}
+
+/// What others have written, for a terminal.
+fn plain(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
 fn refusal(folder: &Path, path: &Path, holder: Option<&Holder>, me: &Holder) -> Error {
-    // what others have written goes to a terminal
-    let plain = |text: &str| text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let shown = holder.map(|it| Holder { host: plain(&it.host), command: plain(&it.command), ..it.clone() });
     let since = fs::metadata(path).and_then(|found| found.modified()).ok();
     let age = since.and_then(|then| SystemTime::now().duration_since(then).ok());
@@ -272,7 +311,19 @@ mod tests {
         let folder = folder();
         let claim = Claim::take(folder.path()).expect("it is free");
         leave(folder.path(), &Holder { host: "elsewhere".into(), ..Holder::here() });
+        let lost = claim.hold().expect_err("another has it").to_string();
+        assert!(lost.contains("on elsewhere") && lost.contains("--out"), "{lost}");
         drop(claim);
         assert!(folder.path().join(NAME).exists());
+    }
+
+    #[test]
+    fn a_lock_that_was_removed_is_put_back() {
+        let folder = folder();
+        let claim = Claim::take(folder.path()).expect("it is free");
+        claim.hold().expect("nobody took it");
+        fs::remove_file(folder.path().join(NAME)).expect("it is there");
+        claim.hold().expect("nobody took it");
+        Claim::take(folder.path()).expect_err("it is there again");
     }
 }

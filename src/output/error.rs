@@ -42,6 +42,18 @@ pub enum Error {
     Ranks(String),
 }
 
+impl Error {
+    /// Whether a file is there, and may not be read or written.
+    pub fn is_denied(&self) -> bool {
+        matches!(self, Self::Io { source, .. } if source.kind() == ErrorKind::PermissionDenied)
+    }
+
+    /// Whether there is no such file.
+    pub fn is_missing(&self) -> bool {
+        matches!(self, Self::Io { source, .. } if source.kind() == ErrorKind::NotFound)
+    }
+}
+
 /// A result with [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -52,7 +64,7 @@ fn remedy(source: &io::Error) -> &'static str {
             "free some space, or write elsewhere with --out"
         }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
-            "make the folder writable, or write elsewhere with --out"
+            "make it readable and its folder writable, or write elsewhere with --out"
         }
         ErrorKind::NotFound | ErrorKind::NotADirectory => "check that the folder exists",
         _ => "check the path and the disk",

@@ -1,6 +1,7 @@
 //! `history.csv`: a row every few steps, for people with a spreadsheet and for plots.
 use super::create::{create, write_whole};
-use super::error::{Error, Result, io};
+use super::error::{Result, io};
+use super::plain;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -96,10 +97,7 @@ impl Table {
     /// # Errors
     /// If it cannot be read.
     pub fn read(path: &Path) -> Result<Self> {
-        if !std::fs::metadata(path).map_err(io("read", path))?.is_file() {
-            return Err(Error::Content { path: path.into(), problem: "it is no file".into() });
-        }
-        let text = std::fs::read_to_string(path).map_err(io("read", path))?;
+        let text = plain::read(path)?;
         let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
         let mut rows = entries(whole).into_iter();
         let header = rows.next().unwrap_or_default();
@@ -163,12 +161,7 @@ impl History {
     /// # Errors
     /// If the file cannot be read or written, or is damaged.
     pub fn resume(path: &Path, columns: &[Column], time: f64) -> Result<Self> {
-        let content = |problem: &str| Error::Content { path: path.into(), problem: problem.into() };
-        if !std::fs::metadata(path).map_err(io("read", path))?.is_file() {
-            return Err(content("it is no file"));
-        }
-        let old = std::fs::read(path).map_err(io("read", path))?;
-        let old = String::from_utf8(old).map_err(|_| content("it is damaged: it is not text"))?;
+        let old = plain::read(path)?;
         let header = columns.iter().map(|column| quoted(&column.header())).collect::<Vec<_>>().join(",");
         let early = |line: &&str| {
             // a run that was killed may have left half a row

@@ -1,6 +1,7 @@
 //! A seal behind the last byte of a file: a digest of everything before it, so that no cut and no flipped bit goes
 //! unnoticed. HDF5 does not look at bytes behind its own end; and it must not be given a damaged file, at which it may crash.
 use super::error::{Error, Result, io};
+use super::plain;
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -35,9 +36,8 @@ pub fn sync(path: &Path) -> Result<()> {
 /// # Errors
 /// If the file cannot be read, was cut off, or is not what was sealed.
 pub fn verify(path: &Path) -> Result<u128> {
-    let (mut file, stated) = open(path)?;
+    let (mut file, length, stated) = open(path)?;
     file.seek(SeekFrom::Start(0)).map_err(io("read", path))?;
-    let length = file.metadata().map_err(io("read", path))?.len() - LENGTH;
     let digest = digest(&mut file, length).map_err(io("read", path))?;
     if digest == stated {
         return Ok(digest);
@@ -50,20 +50,16 @@ pub fn verify(path: &Path) -> Result<u128> {
 /// # Errors
 /// If the file cannot be read, or does not end with a seal.
 pub fn stated(path: &Path) -> Result<u128> {
-    open(path).map(|(_, digest)| digest)
+    open(path).map(|(_, _, digest)| digest)
 }
 
 fn broken(path: &Path, problem: &str) -> Error {
     Error::Content { path: path.into(), problem: problem.into() }
 }
 
-/// The file, and the digest at its end.
-fn open(path: &Path) -> Result<(File, u128)> {
-    // a pipe of that name would never end to open
-    if !std::fs::metadata(path).map_err(io("open", path))?.is_file() {
-        return Err(broken(path, "it is no file"));
-    }
-    let mut file = File::open(path).map_err(io("open", path))?;
+/// The file, the bytes before its seal, and the digest of them that the seal states.
+fn open(path: &Path) -> Result<(File, u64, u128)> {
+    let mut file = plain::open(path)?;
     let all = file.metadata().map_err(io("read", path))?.len();
     let Some(length) = all.checked_sub(LENGTH) else {
         return Err(broken(path, "it is cut off: it is too short"));
@@ -75,7 +71,7 @@ fn open(path: &Path) -> Result<(File, u128)> {
     if found != stamp(length, digest) {
         return Err(broken(path, "it is cut off or damaged: it does not end as it should"));
     }
-    Ok((file, digest))
+    Ok((file, length, digest))
 }
 
 fn stamp(length: u64, digest: u128) -> [u8; LENGTH as usize] {

@@ -1,9 +1,9 @@
 //! `summary.json`: what a run did, in one page.
 use super::create::write_whole;
-use super::error::{Error, Result, io};
+use super::error::{Error, Result};
+use super::plain;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 /// How a run ended.
@@ -198,11 +198,7 @@ impl Summary {
     /// # Errors
     /// If it is missing, or not a summary.
     pub fn read(path: &Path) -> Result<Self> {
-        if !fs::metadata(path).map_err(io("read", path))?.is_file() {
-            return Err(Error::Content { path: path.into(), problem: "it is no file".into() });
-        }
-        let text = fs::read_to_string(path).map_err(io("read", path))?;
-        serde_json::from_str(&text).map_err(|error| wrong(path, &error))
+        serde_json::from_str(&plain::read(path)?).map_err(|error| wrong(path, &error))
     }
 }
 

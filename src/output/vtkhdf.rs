@@ -5,11 +5,13 @@
 //! the frames' (<https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/>). It is written anew after
 //! frames, and replaced at once. So whoever looks finds whole frames, at any moment and after any kill; a damaged frame is
 //! one frame; and the index states the digest of every frame, so that no other file passes for it.
+mod found;
 mod frame_file;
 mod index;
 mod reader;
 mod writer;
 
+pub use found::Found;
 pub use reader::Reader;
 pub use writer::{Writer, refuse_link, remove_frames};
 
@@ -57,6 +59,11 @@ const FOLDER: &str = "particles";
 
 fn folder(index: &Path) -> PathBuf {
     index.with_file_name(FOLDER)
+}
+
+/// Whether a file is one of the frames of the run in a folder.
+pub fn is_frame(run: &Path, file: &Path) -> bool {
+    file.parent() == Some(&run.join(FOLDER)) && file.extension().is_some_and(|extension| extension == "h5")
 }
 
 /// A file of that folder, as seen from the index.

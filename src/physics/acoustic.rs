@@ -46,4 +46,14 @@ impl<S: Simd> Stiffness<S> {
         let stretching = S::splat(3.0).fnma(h, fiber_slope).max(S::splat(0.0));
         S::splat(4.0 / 9.0).fma(stretching, shear.fma(b1, longitudinal.max(h)))
     }
+
+    /// ρ₀ c² of the longitudinal wave along the fibers, with `along` = a·b̃a: the terms above at m = n = a. Where it is
+    /// negative, the material bears less the further it is pulled.
+    #[inline(always)]
+    pub fn along_fibers(&self, along: S) -> S {
+        let Self { volumetric, shear, mean, fiber_stress: h, fiber_slope, .. } = *self;
+        let matrix = S::splat(5.0 / 3.0).fma(mean, S::splat(-1.0 / 3.0) * along);
+        let fibers = S::splat(4.0 / 9.0).fma(fiber_slope, S::splat(-2.0 / 3.0) * h);
+        shear.fma(matrix, volumetric + fibers)
+    }
 }

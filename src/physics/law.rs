@@ -77,6 +77,10 @@ pub struct Energies<S> {
     pub fracture: S,
 }
 
+/// The state of [`Law::COUNTS`] in which a particle has lost its stability: a plane wave has no real speed, strain gathers in
+/// single cells, and what comes out depends on their size. A run warns of it.
+pub const UNSTABLE: &str = "unstable";
+
 /// A constitutive law. Its parameters are its fields; `S` is the vector type of an instruction set.
 ///
 /// A new law is one file with an implementation of this trait and of
@@ -99,9 +103,9 @@ pub trait Law: Copy + Send + Sync + 'static {
     /// Stress and new history after a step. `history` has `HISTORY.len()` entries.
     fn update<S: Simd>(&self, kinematics: &Kinematics<S>, history: &mut [S]) -> Response<S>;
 
-    /// Which particles are in each state of [`Law::COUNTS`], in its order.
+    /// Which particles are in each state of [`Law::COUNTS`], in its order; of the kinematics F and J alone count.
     #[inline(always)]
-    fn counts<S: Simd>(&self, _history: &[S]) -> [Mask; MAX_COUNTS] {
+    fn counts<S: Simd>(&self, _kinematics: &Kinematics<S>, _history: &[S]) -> [Mask; MAX_COUNTS] {
         [0; MAX_COUNTS]
     }
 

@@ -39,6 +39,15 @@ pub fn scaled<S: Simd>(s: S, mut a: [S; 6]) -> [S; 6] {
     a
 }
 
+/// u · A u of a symmetric A: xx, xy, xz, yy, yz, zz.
+#[inline(always)]
+pub fn quadratic<S: Simd>(a: &[S; 6], u: &[S; 3]) -> S {
+    let [x, y, z] = *u;
+    let normal = (a[0] * x).fma(x, (a[3] * y).fma(y, a[5] * z * z));
+    let mixed = (a[1] * x).fma(y, (a[2] * x).fma(z, a[4] * y * z));
+    S::splat(2.0).fma(mixed, normal)
+}
+
 /// tr A of a symmetric tensor.
 #[inline(always)]
 pub fn trace<S: Simd>(a: &[S; 6]) -> S {

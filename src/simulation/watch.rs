@@ -1,9 +1,10 @@
 //! Warnings that a run gives itself: what its numbers say against it, each once, with cause and remedy.
 use super::Simulation;
-use super::report::Report;
+use super::report::{MaterialReport, Report};
 use engine::data::warehouse::Warehouse;
 use engine::exec::ranks::{NetworkError, collective};
 use engine::schema::Label;
+use physics::law::UNSTABLE;
 use scene::{Body, Scene};
 use simd::LANES;
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -13,6 +14,9 @@ use tasks::labels::{Position, SignalSpeed};
 const UNEXPLAINED: f64 = 0.05;
 /// Cells across a body that deforms, below which its stresses are those of the grid.
 const THIN: f64 = 2.0;
+
+/// Of the particles of a material, which may be beyond its stability: those that fail in the next steps pass through it.
+const FEW: f64 = 0.002;
 
 /// What was said so far.
 #[derive(Debug, Default)]
@@ -37,9 +41,11 @@ impl Watch {
         if !std::mem::replace(&mut self.begun, true) {
             self.strangers = strangers(&simulation.scene);
             found.extend(thin(&simulation.scene));
+            found.extend(sharp(&simulation.scene));
         }
         found.extend(unexplained(report));
         found.extend(too_fast(simulation, report));
+        found.extend(unstable(report, &simulation.scene));
         found.extend(self.meetings(simulation, report)?);
         let news = found.into_iter().filter(|(key, _)| self.said.insert(key.clone()));
         Ok(news.map(|(_, text)| text).collect())
@@ -110,6 +116,21 @@ fn too_fast(simulation: &Simulation, report: &Report) -> Option<Said> {
     })
 }
 
+/// Particles whose law has lost its stability.
+fn unstable<'a>(report: &'a Report, scene: &'a Scene) -> impl Iterator<Item = Said> + 'a {
+    let told = |(m, it): (usize, &MaterialReport)| {
+        let (count, name, time) = (it.count(UNSTABLE), &scene.materials[m].name, report.time);
+        let text = format!(
+            "{count} of {} particles of {name} are beyond the stability of their law, t = {time:.4e} s: pulled further they bear less, strain \
+             gathers in single cells, and results depend on the cell size. Load it less, let it fail before, or check its parameters \
+             (fibers that are straight too early, a bulk modulus too small)",
+            it.particles
+        );
+        (count as f64 > FEW * it.particles as f64).then(|| (format!("unstable {name}"), text))
+    };
+    report.materials.iter().enumerate().filter_map(told)
+}
+
 /// Mass of the lightest particle of a material at the start [kg].
 fn lightest(scene: &Scene, material: usize) -> Option<f64> {
     let bodies = scene.bodies.iter().filter(|body| body.material == material);
@@ -134,6 +155,22 @@ fn thin(scene: &Scene) -> Vec<Said> {
         Some((format!("thin {name}"), text))
     };
     scene.bodies.iter().filter(deforms).filter_map(one).collect()
+}
+
+/// Tools and rigid bodies that the grid makes blunt: narrow along two axes. A plate is narrow along one: it holds as it should.
+fn sharp(scene: &Scene) -> Vec<Said> {
+    let rigid = |body: &&Body| scene.materials[body.material].is_rigid();
+    let one = |body: &Body| {
+        let mut extents = body.solid.extents();
+        extents.sort_by(f64::total_cmp);
+        let (name, cells) = (&body.name, extents[1] / scene.domain.cell);
+        let text = format!(
+            "tool {name:?} is {cells:.2} cells across: below {THIN} cells it presses like one as wide as the grid, with two to three times the \
+             force. Use smaller cells"
+        );
+        (cells < THIN - 1e-6).then(|| (format!("sharp {name}"), text))
+    };
+    scene.bodies.iter().filter(rigid).filter_map(one).collect()
 }
 
 /// Whether two materials have a contact.

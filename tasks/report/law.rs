@@ -37,7 +37,7 @@ impl<L: Law> Body for ReportLaw<L> {
             for (largest, h) in io.largest[0].iter_mut().zip(&h[..lines]) {
                 S::load(largest).max(S::select(at.lanes(tile), *h, nothing)).store(largest);
             }
-            let states = self.0.counts(&h[..lines]);
+            let states = self.0.counts(&kinematics, &h[..lines]);
             for state in 0..L::COUNTS.len() {
                 counts[state] += (states[state] & at.lanes(tile)).count_ones();
             }

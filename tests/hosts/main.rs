@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 const SPHERES: &str = "problems/two-spheres";
 /// Within this time a job ends that cannot begin, or go on.
-const SOON: Duration = Duration::from_secs(15);
+const SOON: Duration = Duration::from_secs(60);
 
 /// The words of a short run.
 fn short<'a>(scene: &'a str, steps: &'a str, out: &'a Path) -> Vec<&'a str> {

@@ -44,7 +44,7 @@ impl Law for Swelling {
     }
 
     #[inline(always)]
-    fn counts<S: Simd>(&self, history: &[S]) -> [Mask; MAX_COUNTS] {
+    fn counts<S: Simd>(&self, _: &Kinematics<S>, history: &[S]) -> [Mask; MAX_COUNTS] {
         let swollen = history[1].ge(S::splat(1.0));
         let mut counts = [0; MAX_COUNTS];
         counts[0] = !swollen;

@@ -6,6 +6,8 @@ use physics::materials::tissue::{NoFailure, Tissue, TwoSurface};
 use simd::{Isa, Job, LANES, Mask, Simd, Wide};
 use std::array::from_fn;
 
+pub use crate::splitmix::Random;
+
 pub type M3 = Matrix3<f64>;
 pub type V3 = Vector3<f64>;
 
@@ -77,7 +79,7 @@ impl<L: Law> Job for Step<'_, L> {
         }
         let response = law.update(&k, history);
         let energies = law.energies(&k, history);
-        let counts = law.counts(history);
+        let counts = law.counts(&k, history);
         let t = response.kirchhoff.map(S::lanes);
         let [modulus, strain, plastic, fracture] =
             [response.modulus, energies.strain, energies.plastic, energies.fracture].map(S::lanes);
@@ -121,47 +123,6 @@ pub fn step<L: Law>(law: &L, point: &Point) -> Answer {
     run(Isa::detect(), law, std::slice::from_ref(point)).remove(0)
 }
 
-/// Reproducible numbers (SplitMix64).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
-    }
-    pub fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-    pub fn direction(&mut self) -> V3 {
-        let z = self.within(-1.0, 1.0);
-        let (sin, cos) = self.within(0.0, std::f64::consts::TAU).sin_cos();
-        let r = (1.0 - z * z).sqrt();
-        V3::new(r * cos, r * sin, z)
-    }
-    pub fn rotation(&mut self) -> M3 {
-        let axis = Unit::new_normalize(self.direction());
-        *UnitQuaternion::from_axis_angle(&axis, self.within(0.0, 3.1)).to_rotation_matrix().matrix()
-    }
-    /// F with random axes, given principal stretches.
-    pub fn with_stretches(&mut self, stretches: [f64; 3]) -> M3 {
-        self.rotation() * M3::from_diagonal(&V3::from(stretches)) * self.rotation()
-    }
-    /// F with J in `j`, evenly in its logarithm, and isochoric stretches from 1/`most` to `most`.
-    pub fn deformation(&mut self, j: [f64; 2], most: f64) -> M3 {
-        let root = (self.within(j[0].ln(), j[1].ln()) / 3.0).exp();
-        let bound = most.ln();
-        loop {
-            let (x, y) = (self.within(-bound, bound), self.within(-bound, bound));
-            if (x + y).abs() <= bound {
-                return self.with_stretches([x, y, -x - y].map(|x: f64| root * x.exp()));
-            }
-        }
-    }
-}
-
 /// Largest minus smallest principal value of C = FᵀF.
 pub fn span(f: &M3) -> f64 {
     let values = SymmetricEigen::new(f.transpose() * f).eigenvalues;
@@ -198,4 +159,32 @@ pub fn close(a: f64, b: f64, tolerance: f64, scale: f64) {
         (a - b).abs() <= tolerance * scale.abs(),
         "{a} is not {b} (scale {scale}, tolerance {tolerance})"
     );
+}
+
+impl Random {
+    pub fn direction(&mut self) -> V3 {
+        let z = self.within(-1.0, 1.0);
+        let (sin, cos) = self.within(0.0, std::f64::consts::TAU).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        V3::new(r * cos, r * sin, z)
+    }
+    pub fn rotation(&mut self) -> M3 {
+        let axis = Unit::new_normalize(self.direction());
+        *UnitQuaternion::from_axis_angle(&axis, self.within(0.0, 3.1)).to_rotation_matrix().matrix()
+    }
+    /// F with random axes, given principal stretches.
+    pub fn with_stretches(&mut self, stretches: [f64; 3]) -> M3 {
+        self.rotation() * M3::from_diagonal(&V3::from(stretches)) * self.rotation()
+    }
+    /// F with J in `j`, evenly in its logarithm, and isochoric stretches from 1/`most` to `most`.
+    pub fn deformation(&mut self, j: [f64; 2], most: f64) -> M3 {
+        let root = (self.within(j[0].ln(), j[1].ln()) / 3.0).exp();
+        let bound = most.ln();
+        loop {
+            let (x, y) = (self.within(-bound, bound), self.within(-bound, bound));
+            if (x + y).abs() <= bound {
+                return self.with_stretches([x, y, -x - y].map(|x: f64| root * x.exp()));
+            }
+        }
+    }
 }

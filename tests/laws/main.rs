@@ -4,6 +4,8 @@ mod declared;
 mod harness;
 mod metal;
 mod registry;
+#[path = "../common/splitmix.rs"]
+mod splitmix;
 mod stress;
 mod tissue_failure;
 mod viscosity;

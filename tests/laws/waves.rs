@@ -7,8 +7,14 @@ use physics::materials::neo_hookean::NeoHookean;
 use physics::materials::tissue::Tissue;
 use simd::Isa;
 
-/// Largest eigenvalue of A_ik(n) = d/dε [τ(ε) n]_i / (1 + ε n_k) along F → (I + ε e_k⊗n) F.
+/// Largest eigenvalue of the acoustic tensor A_ik(n) = d/dε [τ(ε) n]_i / (1 + ε n_k) along F → (I + ε e_k⊗n) F.
 fn largest<L: Law>(law: &L, from: &Point, n: &V3) -> f64 {
+    let a = acoustic(law, from, n);
+    SymmetricEigen::new((a + a.transpose()) / 2.0).eigenvalues.max()
+}
+
+/// A(n) itself.
+fn acoustic<L: Law>(law: &L, from: &Point, n: &V3) -> M3 {
     let h = 1e-6;
     let mut points = Vec::with_capacity(6);
     for k in 0..3 {
@@ -28,8 +34,7 @@ fn largest<L: Law>(law: &L, from: &Point, n: &V3) -> f64 {
         let (up, down) = (traction(2 * k, 1.0 + h * n[k]), traction(2 * k + 1, 1.0 - h * n[k]));
         (up - down) / (2.0 * h)
     };
-    let a = M3::from_columns(&[column(0), column(1), column(2)]);
-    SymmetricEigen::new((a + a.transpose()) / 2.0).eigenvalues.max()
+    M3::from_columns(&[column(0), column(1), column(2)])
 }
 
 /// The maximum over directions: many at random, then a walk uphill.
@@ -117,6 +122,29 @@ fn no_wave_outruns_the_bound() {
         report(&format!("tissue {straight} matrix"), &failing, Some(1.0), &kinks);
         report(&format!("tissue {straight} squeezed"), &keeping, Some(1.0), &[1.0, straight]);
         report(&format!("tissue {straight} fibers"), &failing, Some(2.0), &kinks);
+    }
+}
+
+/// Counted as unstable is whoever has no wave along the fibers: where n·A(n) n < 0, and nobody who has.
+#[test]
+fn tissue_that_lost_its_stability_is_counted() {
+    let mut random = Random(52);
+    for law in tissues() {
+        let mut found = [0, 0];
+        while found.iter().sum::<usize>() < 400 {
+            let (f, fiber) = (random.deformation([0.5, 6.0], 1.8), random.direction());
+            let point = Point::virgin(&law, f, fiber);
+            let answer = step(&law, &point);
+            let n = (f * fiber).normalize();
+            let (along, h) = (n.dot(&(acoustic(&law, &point, &n) * n)), 1e-4 * answer.modulus);
+            if along.abs() > h {
+                let unstable = answer.counted == ["unstable"];
+                assert_eq!(unstable, along < 0.0, "{along} of {} at {f}", answer.modulus);
+                found[usize::from(unstable)] += 1;
+            }
+        }
+        println!("lambda* {}: {found:?} stable and not", law.straight);
+        assert!(found.iter().all(|n| *n > 30), "{found:?}");
     }
 }
 

@@ -2,9 +2,13 @@
 #[path = "../common/command.rs"]
 mod command;
 mod end;
+mod files;
 mod folder;
 mod scenes;
 mod screen;
+#[path = "../common/splitmix.rs"]
+mod splitmix;
+mod two;
 mod warnings;
 
 use command::{ok, sinew, text, words};

@@ -83,6 +83,57 @@ fn bodies_that_the_grid_does_not_resolve_are_named() {
     assert!(told.len() == 1 && told[0].contains("\"right\" is 1.00 cells thick along x"), "{told:?}");
 }
 
+/// What a scene says with other values.
+fn told(text: &str, changes: &[&str]) -> Vec<String> {
+    let set = changes.iter().flat_map(|change| ["--set", change]);
+    warnings(text, &["--steps", "1"].into_iter().chain(set).collect::<Vec<_>>()).0
+}
+
+#[test]
+fn tools_that_the_grid_makes_blunt_are_named() {
+    let text = format!("{MEET}[[contact]]\nbetween = [\"one\", \"two\"]\nlaw = \"friction\"\nfriction = 0\n");
+    let tool = |shape: &str| {
+        let shape = format!("body.right.shape={{ {shape} }}");
+        let rigid = ["law=rigid", "motion=prescribed", "bulk-modulus=", "shear-modulus="];
+        let mut changes = rigid.map(|it| format!("material.two.{it}")).to_vec();
+        changes.push(shape);
+        told(&text, &changes.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let needle = "cylinder = { start = [0.009, 0.002, 0.004], end = [0.009, 0.006, 0.004], radius = 0.0003 }";
+    for needle in [needle, &format!("rotate = {{ axis = [0, 1, 1], angle = 0.3, shape = {{ {needle} }} }}")] {
+        let found = tool(needle);
+        assert!(found.len() == 1 && found[0].contains("tool \"right\" is 0.60 cells across"), "{found:?}");
+    }
+    let plate = "box = { lower = [0.012, 0.001, 0.001], upper = [0.0121, 0.006, 0.006] }";
+    let ball = "sphere = { center = [0.01, 0.004, 0.004], radius = 0.001 }";
+    assert!(tool(plate).is_empty() && tool(ball).is_empty());
+}
+
+/// λ* = 1.4, as in the paper: beyond it the fibers' stress grows slower than they get thin.
+#[test]
+fn tissue_beyond_its_stability_is_told() {
+    let tissue = |stretch: f64| {
+        let across = stretch.powf(-0.5);
+        let stretch = format!("body.right.stretch=[{stretch}, {across}, {across}]");
+        let law = [
+            "law=tissue",
+            "failure=none",
+            "c1=2.1 kPa",
+            "c3=0.14 kPa",
+            "c4=22",
+            "c5=100 kPa",
+            "lambda-star=1.4",
+        ];
+        let mut changes = law.map(|it| format!("material.two.{it}")).to_vec();
+        changes.extend(["material.two.shear-modulus=".into(), stretch]);
+        told(MEET, &changes.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let found = tissue(1.45);
+    let fact = "particles of two are beyond the stability of their law";
+    assert_eq!(found.iter().filter(|it| it.contains(fact)).count(), 1, "{found:?}");
+    assert!(tissue(1.35).is_empty());
+}
+
 #[test]
 fn energy_that_the_accounts_do_not_explain_is_told() {
     // a grip that runs into a tool: no motion satisfies both

@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 /// Compare two runs: bit for bit, particle by particle, or within tolerances
 ///
 /// Compared are history.csv, all frames of particles.vtkhdf (single precision), and the last checkpoints of the same step
-/// (every bit of every label), as far as both have them. Exit status: 0 the same, 1 different, 2 bad usage.
+/// (every bit of every label), as far as both have them. Exit status: 0 the same, 1 different, 2 bad usage, or a file that
+/// cannot be read.
 #[derive(clap::Args)]
 pub struct Args {
     /// Folder of a run, or its particles.vtkhdf, history.csv or a checkpoint
@@ -46,10 +47,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     let sides = [args.a.as_path(), args.b.as_path()];
-    if let Some(files) = both(sides, "history.csv", "csv") {
+    if let Some(files) = both(sides, "history.csv", "csv")? {
         verdict.history(files)?;
     }
-    if let Some(files) = both(sides, "particles.vtkhdf", "vtkhdf") {
+    if let Some(files) = both(sides, "particles.vtkhdf", "vtkhdf")? {
         verdict.frames(files)?;
     }
     if let Some(files) = checkpoints(sides)? {
@@ -70,18 +71,26 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
+/// What cannot be read is neither the same nor different.
+fn read<T>(result: sinew::output::Result<T>) -> Result<T, Failure> {
+    result.map_err(Failure::usage)
+}
+
 /// The files of that name of two folders, or two files of that kind.
-fn both(sides: [&Path; 2], name: &str, kind: &str) -> Option<[PathBuf; 2]> {
+fn both(sides: [&Path; 2], name: &str, kind: &str) -> Result<Option<[PathBuf; 2]>, Failure> {
     let file = |side: &Path| match side.is_dir() {
         true => side.join(name),
         false => side.to_owned(),
     };
     let files = sides.map(file);
+    if let Some(odd) = files.iter().find(|file| file.ends_with(name) && file.exists() && !file.is_file()) {
+        return Err(Failure::usage(format!("cannot read {}: it is no file", odd.display())));
+    }
     let there = files.each_ref().map(|f| f.is_file() && f.extension().is_some_and(|e| e == kind));
     if there[0] != there[1] && sides.iter().all(|side| side.is_dir()) {
         println!("{name:<14} only one of the two has it: not compared");
     }
-    there.iter().all(|&there| there).then_some(files)
+    Ok(there.iter().all(|&there| there).then_some(files))
 }
 
 /// The last checkpoints of the same step.
@@ -129,12 +138,12 @@ impl Verdict {
 
     fn frames(&mut self, files: [PathBuf; 2]) -> Result<(), Failure> {
         let names = materials(&files[0]);
-        let open = |file: &PathBuf| Frames::open(file).map_err(Failure::usage);
+        let open = |file: &PathBuf| read(Frames::open(file));
         let [one, other] = [open(&files[0])?, open(&files[1])?];
         self.compared += 1;
         let mut worst: Vec<Norms> = Vec::new();
         for k in 0..one.frames().min(other.frames()) {
-            let [a, b] = [one.frame(k)?, other.frame(k)?];
+            let [a, b] = [read(one.frame(k))?, read(other.frame(k))?];
             let when = format!("frame {k} (step {}, t = {:e} s)", a.step, a.time);
             if self.tolerances.none() && (a.step, a.time.to_bits()) != (b.step, b.time.to_bits()) {
                 println!(
@@ -167,7 +176,7 @@ impl Verdict {
     }
 
     fn checkpoints(&mut self, files: [PathBuf; 2]) -> Result<(), Failure> {
-        let open = |file: &PathBuf| Checkpoint::open(file).map_err(Failure::usage);
+        let open = |file: &PathBuf| read(Checkpoint::open(file));
         let [one, other] = [open(&files[0])?, open(&files[1])?];
         self.compared += 1;
         let when = format!("checkpoints    of step {} and {}", one.head.steps, other.head.steps);
@@ -179,7 +188,8 @@ impl Verdict {
         }
         let mut all = Vec::new();
         for material in 0..names.len() {
-            let sides = [checkpoint_particles(&one, material)?, checkpoint_particles(&other, material)?];
+            let side = |reader: &Checkpoint| read(checkpoint_particles(reader, material));
+            let sides = [side(&one)?, side(&other)?];
             let found = compare(&sides[0], &sides[1], &self.tolerances);
             if !self.accept(&found, &format!("{when} differ in {}", names[material]), &names) {
                 return Ok(());

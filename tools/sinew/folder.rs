@@ -6,14 +6,16 @@ use sinew::output::Error;
 use sinew::output::claim::Claim;
 use sinew::output::together::path_from_first;
 use sinew::simulation::RunError;
-use sinew::simulation::recorder::{Held, held};
+use sinew::simulation::recorder::{Held, held, is_result};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
-/// A folder that is this run's as long as this lives. Rank 0 has the lock.
+/// A folder that is this run's as long as this lives.
 pub struct Taken {
     /// The folder, on all ranks.
     pub path: PathBuf,
-    _claim: Option<Claim>,
+    /// On rank 0.
+    pub claim: Option<Rc<Claim>>,
 }
 
 /// For a new run of the scene that was read from `scene` and is called `name`.
@@ -45,7 +47,7 @@ fn agree(
     let chosen = if network.rank() == 0 { choose().map(Some) } else { Ok(None) };
     let (path, claim) = super::ranks::agree(network, chosen)?.unzip();
     let path = path_from_first(network, &path.unwrap_or_default()).map_err(RunError::from)?;
-    Ok(Taken { path, _claim: claim })
+    Ok(Taken { path, claim: claim.map(Rc::new) })
 }
 
 /// `runs/NAME`, or the first of `runs/NAME-2`, `runs/NAME-3`, … that nobody has and that holds no run; with `force` always
@@ -77,6 +79,17 @@ fn claim(folder: &Path, scene: &Path, force: bool) -> Result<Claim, Failure> {
     // another run may have come and gone in the meantime
     refuse_held(folder, force)?;
     Ok(claim)
+}
+
+/// Refuses to replace a file that a run has left by another one that a user asks for.
+pub fn refuse_result(file: &Path) -> Result<(), Failure> {
+    match is_result(file) {
+        false => Ok(()),
+        true => Err(Failure::usage(format!(
+            "{} is a file of a run, which this would replace: write to another file",
+            file.display()
+        ))),
+    }
 }
 
 fn take(folder: &Path) -> Result<Claim, Failure> {

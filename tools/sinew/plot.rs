@@ -1,5 +1,6 @@
 //! `sinew plot`: columns of a run's history as a picture.
 use super::fail::Failure;
+use super::folder::refuse_result;
 use sinew::lab::plot::{Line, Plot};
 use sinew::output::history::Table;
 use sinew::output::{create::write_whole, io};
@@ -58,6 +59,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let plot = Plot { title, axes: [args.x.clone(), up], log: [false, false], marks: false, lines };
     let out = args.out.clone().unwrap_or_else(|| args.dir.join("plot.svg"));
     // a file that the user names may be a pipe
+    refuse_result(&out)?;
     let written = match &args.out {
         Some(out) => std::fs::write(out, plot.to_svg()).map_err(io("write", out)),
         None => write_whole(&out, plot.to_svg().as_bytes()),

@@ -51,7 +51,8 @@ pub fn resume(
     ranks::share_cores(&mut scene, site, &mut *network)?;
     let mut simulation = Simulation::restore(network, scene, isa, &checkpoint)?;
     let recorder = Recorder::resume(folder, &mut simulation, &checkpoint.head, &found.damaged);
-    let (recorder, warnings) = recorder.map_err(Failure::usage)?;
+    let (mut recorder, warnings) = recorder.map_err(Failure::usage)?;
+    recorder.guard(taken.claim.clone());
     warn(&warnings);
     if simulation.clock().limited_by < 0.0 && !simulation.finished() {
         warn(&["the last step before was cut short, because the run ended with it: from here on steps are not those of a run \
@@ -69,7 +70,13 @@ fn is_complete(folder: &Path, scene: &Scene, checkpoint: &Reader) -> bool {
     let head = &checkpoint.head;
     let at_end = head.time >= scene.run.until || scene.run.steps.is_some_and(|most| head.steps >= most);
     let summary = Summary::read(&folder.join("summary.json"));
-    at_end && summary.is_ok_and(|it| it.status == Status::Completed && it.steps == head.steps)
+    let run = head.recorded.run.to_string();
+    let says_so = |it: Summary| {
+        it.status == Status::Completed
+            && it.steps == head.steps
+            && it.more.get("run").is_some_and(|its| *its == run)
+    };
+    at_end && summary.is_ok_and(says_so)
 }
 
 /// The scene that is given, that of the folder, or that of the checkpoint.

@@ -42,10 +42,10 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
     let end = march(&mut simulation, &mut recorder, &mut progress, &mut stop)?;
     progress.warn(recorder.warnings());
     progress.end();
+    let summary = recorder.finish(&mut simulation, end.clone())?;
     if args.trace {
         simulation.write_trace(&folder.join("trace.json"))?;
     }
-    let summary = recorder.finish(&mut simulation, end.clone())?;
     if first {
         print_summary(&summary, &place(folder));
     }
@@ -113,7 +113,8 @@ fn begin(
     let taken = folder::begin(args, path, &scene.name, &mut *network)?;
     let mut simulation = Simulation::on(network, scene, isa)?;
     // until the first step, what cannot be written is bad usage
-    let recorder = Recorder::create(&taken.path, &mut simulation).map_err(Failure::usage)?;
+    let mut recorder = Recorder::create(&taken.path, &mut simulation).map_err(Failure::usage)?;
+    recorder.guard(taken.claim.clone());
     Ok((taken, simulation, recorder))
 }
 

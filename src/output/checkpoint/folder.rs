@@ -1,7 +1,7 @@
 //! The checkpoints in a run's folder.
 use crate::output::create::remove;
 use crate::output::error::{Error, Result, io};
-use crate::output::seal;
+use crate::output::{draft, seal};
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -9,17 +9,6 @@ use std::path::{Path, PathBuf};
 /// The file of a checkpoint after `steps` steps.
 pub fn path(folder: &Path, steps: u64) -> PathBuf {
     folder.join(format!("checkpoint-{steps:08}.h5"))
-}
-
-/// Where it is written before it is whole.
-pub(super) fn aside(path: &Path) -> PathBuf {
-    path.with_added_extension("part")
-}
-
-/// Removes what there is of a checkpoint that could not be written.
-pub fn discard(path: &Path) {
-    // best effort: the error that matters is why it could not be written
-    let _ = fs::remove_file(aside(path));
 }
 
 /// Steps of a checkpoint, from its file's name.
@@ -50,12 +39,14 @@ pub struct Found {
 /// The last checkpoint whose seal is unbroken.
 ///
 /// # Errors
-/// If there is none: why each of them cannot be used.
+/// If there is none: why each of them cannot be used; or if one may not be read.
 pub fn last_whole(folder: &Path) -> Result<Found> {
     let (mut damaged, mut warnings) = (Vec::new(), Vec::new());
     for path in list(folder) {
         match seal::verify(&path) {
             Ok(_) => return Ok(Found { path, damaged, warnings }),
+            // whoever goes on from an earlier one loses what somebody may still make readable
+            Err(error) if error.is_denied() => return Err(error),
             Err(error) => {
                 warnings.push(error.to_string());
                 damaged.extend(is_hdf5(&path).then_some(path));
@@ -84,10 +75,7 @@ pub fn set_aside(folder: &Path, damaged: &[PathBuf]) -> Result<()> {
     for path in damaged {
         fs::rename(path, path.with_added_extension("damaged")).map_err(io("rename", path))?;
     }
-    let unfinished = |path: &PathBuf| {
-        path.extension().is_some_and(|extension| extension == "part")
-            && steps(&path.with_extension("")).is_some()
-    };
+    let unfinished = |path: &PathBuf| draft::of(path).is_some_and(|whole| steps(&whole).is_some());
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     for path in entries.filter(unfinished) {
         fs::remove_file(&path).map_err(io("remove", &path))?;

@@ -10,13 +10,15 @@ mod state;
 mod writer;
 
 pub use fill::fill;
-pub use folder::{Found, discard, last_whole, list, path, prune, set_aside};
+pub use folder::{Found, last_whole, list, path, prune, set_aside};
 pub use reader::Reader;
 pub use state::{parts, write};
 pub use writer::Writer;
 
+use super::run_id::RunId;
+
 /// Version of the format.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 /// The version of Sinew that writes.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -52,6 +54,8 @@ pub struct Head {
 /// How far the files of a run had come.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Recorded {
+    /// Whose they are.
+    pub run: RunId,
     /// Frames in `particles.vtkhdf`.
     pub frames: u64,
     /// Number of the frame that is due next.

@@ -1,6 +1,7 @@
 //! Reads a checkpoint back.
 use super::{BlockRow, FORMAT, Head, Recorded, Table, name};
 use crate::output::error::{self, Error, Result};
+use crate::output::run_id::RunId;
 use crate::output::seal;
 use crate::output::stored::{self, Virtual};
 use hdf5::types::VarLenUnicode;
@@ -119,6 +120,7 @@ fn head(file: &File) -> hdf5::Result<Head> {
         steps: number(file, name::STEPS)?,
         updates: number(file, name::UPDATES)?,
         recorded: Recorded {
+            run: RunId::read(file)?,
             frames: number(file, name::FRAMES)?,
             due: number(file, name::DUE)?,
             last: [number(file, name::LAST_ROW)?, number(file, name::LAST_FRAME)?],

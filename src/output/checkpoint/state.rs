@@ -1,5 +1,5 @@
 //! The state of a warehouse into a checkpoint, and out of it: what passes from step to step, label by label.
-use super::{BlockRow, Head, Part, Table, Writer, discard};
+use super::{BlockRow, Head, Part, Table, Writer};
 use crate::output::{self, parcel, together};
 use engine::data::extent;
 use engine::data::fields::FieldId;
@@ -68,9 +68,6 @@ pub fn write(
     head: &Head,
 ) -> output::Result<()> {
     let written = write_parts(network, give, path, head);
-    if written.is_err() && network.rank() == 0 {
-        discard(path);
-    }
     together::agree(network, written)
 }
 

@@ -1,12 +1,12 @@
 //! Writes a checkpoint part by part.
 use super::{FORMAT, Head, Part, name};
-use crate::output::create::create;
-use crate::output::error::{self, Result};
-use crate::output::{seal, space, stored};
+use crate::output::draft::Draft;
+use crate::output::error::Result;
+use crate::output::seal;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::ArrayView2;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Bytes for what HDF5 keeps about the data.
 const SLACK: usize = 1 << 20;
@@ -14,11 +14,8 @@ const SLACK: usize = 1 << 20;
 /// A checkpoint that is being written, aside.
 #[derive(Debug)]
 pub struct Writer {
-    /// Where it will be.
-    path: PathBuf,
-    aside: PathBuf,
-    file: File,
     tables: Vec<Table>,
+    draft: Draft,
 }
 
 /// The datasets of a table, and how many rows they hold.
@@ -37,15 +34,11 @@ impl Writer {
     /// # Errors
     /// If the disk is full or the folder cannot be written.
     pub fn create(path: &Path, head: &Head) -> Result<Self> {
-        let aside = super::folder::aside(path);
-        create(&aside)?;
-        space::reserve(&aside, SLACK)?;
-        let file = stored::create(&aside)?;
-        let wrong = error::hdf5("create", &aside);
-        let tables = lay_out(&file, head).and_then(|tables| file.flush().map(|()| tables));
-        let tables = tables.map_err(wrong)?;
-        space::reserve(&aside, room(head))?;
-        Ok(Self { path: path.into(), aside, file, tables })
+        let draft = Draft::create(path, SLACK)?;
+        let tables =
+            draft.write(|file| lay_out(file, head).and_then(|tables| file.flush().map(|()| tables)))?;
+        draft.reserve(room(head))?;
+        Ok(Self { tables, draft })
     }
 
     /// Writes some blocks of a table behind those that came before.
@@ -54,7 +47,7 @@ impl Writer {
     /// If they cannot be written.
     pub fn part(&mut self, part: &Part) -> Result<()> {
         let table = &mut self.tables[part.table];
-        table.write(part).map_err(error::hdf5("write", &self.aside))
+        self.draft.write(|_| table.write(part))
     }
 
     /// Seals it and puts it in place, when the disk has all of it.
@@ -62,16 +55,9 @@ impl Writer {
     /// # Errors
     /// If it cannot be written.
     pub fn finish(self) -> Result<()> {
-        let Self { path, aside, file, tables } = self;
+        let Self { tables, draft } = self;
         drop(tables);
-        let length = file.flush().map(|()| file.size()).map_err(error::hdf5("write", &aside))?;
-        file.close().map_err(error::hdf5("close", &aside))?;
-        space::trim(&aside, length)?;
-        seal::seal(&aside)?;
-        seal::sync(&aside)?;
-        std::fs::rename(&aside, &path).map_err(error::io("rename", &aside))?;
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        seal::sync(folder)
+        draft.finish_on_disk().map(drop)
     }
 }
 
@@ -116,6 +102,7 @@ fn lay_out(file: &File, head: &Head) -> hdf5::Result<Vec<Table>> {
     number(file, name::TIME, &head.time)?;
     number(file, name::STEPS, &head.steps)?;
     number(file, name::UPDATES, &head.updates)?;
+    head.recorded.run.write(file)?;
     number(file, name::FRAMES, &head.recorded.frames)?;
     number(file, name::DUE, &head.recorded.due)?;
     number(file, name::LAST_ROW, &head.recorded.last[0])?;

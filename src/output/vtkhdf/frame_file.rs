@@ -1,11 +1,12 @@
 //! The file of one frame.
 use super::{CHUNK, Entry, name};
-use crate::output::create::create;
-use crate::output::error::{self, Error, Result};
+use crate::output::draft::Draft;
+use crate::output::error::{Error, Result};
 use crate::output::frame::{Field, Head, Piece};
+use crate::output::run_id::RunId;
+use crate::output::seal;
 use crate::output::snapshot::Snapshot;
 use crate::output::stored::{self, Virtual, table};
-use crate::output::{seal, space};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::ArrayView2;
@@ -19,29 +20,25 @@ const CHUNK_ENTRY: usize = 128;
 #[derive(Debug)]
 pub struct FrameFile {
     path: PathBuf,
-    aside: PathBuf,
-    file: File,
     head: Head,
     /// Positions, identities, materials, and then the fields of the head: open over the frame, so that a chunk of several
     /// pieces stays in memory.
     columns: Vec<Dataset>,
+    draft: Draft,
     /// Row at which the next piece starts.
     row: usize,
 }
 
 impl FrameFile {
-    /// Begins a frame.
+    /// Begins a frame of a run.
     ///
     /// # Errors
     /// If there is no room for it on the disk.
-    pub fn create(path: &Path, head: Head) -> Result<Self> {
-        let aside = path.with_added_extension("part");
-        create(&aside)?;
-        space::reserve(&aside, SLACK)?;
-        let file = stored::create(&aside)?;
-        space::reserve(&aside, room(&head))?;
-        let columns = lay_out(&file, &head).map_err(error::hdf5("create", &aside))?;
-        Ok(Self { path: path.into(), aside, file, head, columns, row: 0 })
+    pub fn create(path: &Path, run: RunId, head: Head) -> Result<Self> {
+        let draft = Draft::create(path, SLACK)?;
+        draft.reserve(room(&head))?;
+        let columns = draft.write(|file| run.write(file).and_then(|()| lay_out(file, &head)))?;
+        Ok(Self { path: path.into(), head, columns, draft, row: 0 })
     }
 
     /// Writes the next particles.
@@ -49,7 +46,7 @@ impl FrameFile {
     /// # Errors
     /// If they cannot be written.
     pub fn piece(&mut self, piece: &Piece) -> Result<()> {
-        let write = || -> hdf5::Result<()> {
+        let write = |_: &File| -> hdf5::Result<()> {
             put(&self.columns[0], self.row, 3, piece.positions.as_flattened())?;
             put(&self.columns[1], self.row, 1, &piece.identities)?;
             put(&self.columns[2], self.row, 1, &piece.materials)?;
@@ -59,7 +56,7 @@ impl FrameFile {
             }
             Ok(())
         };
-        write().map_err(error::hdf5("write", &self.aside))?;
+        self.draft.write(write)?;
         self.row += piece.positions.len();
         Ok(())
     }
@@ -69,32 +66,22 @@ impl FrameFile {
     /// # Errors
     /// If it cannot be written, or pieces are missing.
     pub fn finish(self, number: u64) -> Result<Entry> {
-        let Self { path, aside, file, head: Head { time, step, particles, .. }, columns, row } = self;
+        let Self { path, head: Head { time, step, particles, .. }, columns, draft, row } = self;
         if row != particles {
             let problem = format!("a frame of {particles} particles got {row}");
             return Err(Error::Content { path, problem });
         }
         drop(columns);
-        let length = file.flush().map(|()| file.size()).map_err(error::hdf5("write", &aside))?;
-        file.close().map_err(error::hdf5("close", &aside))?;
-        space::trim(&aside, length)?;
-        let digest = seal::seal(&aside)?;
-        std::fs::rename(&aside, &path).map_err(error::io("rename", &aside))?;
+        let digest = draft.finish()?;
         Ok(Entry { number, time, step, particles, digest })
     }
-}
-
-/// Removes what there is of a frame that could not be written.
-pub fn discard(path: &Path) {
-    // best effort: the error that matters is why it could not be written
-    let _ = std::fs::remove_file(path.with_added_extension("part"));
 }
 
 /// What a frame's file says of itself.
 ///
 /// # Errors
-/// If it is damaged, or no frame.
-pub fn describe(path: &Path, number: u64) -> Result<(Entry, Vec<Field>)> {
+/// If it is damaged, no frame, or one of another run.
+pub fn describe(path: &Path, run: RunId, number: u64) -> Result<(Entry, Vec<Field>)> {
     let digest = seal::verify(path)?;
     let file = stored::open(path, Virtual::Refused)?;
     let read = || -> hdf5::Result<(Entry, Vec<Field>)> {
@@ -103,6 +90,9 @@ pub fn describe(path: &Path, number: u64) -> Result<(Entry, Vec<Field>)> {
         let fields = fields(&file.group(name::DATA)?)?;
         Ok((Entry { number, time, step: step?, particles, digest }, fields))
     };
+    if RunId::read(&file).is_ok_and(|its| its != run) {
+        return Err(Error::Content { path: path.into(), problem: "it is a frame of another run".into() });
+    }
     read().map_err(|source| not_ours(path, &source))
 }
 

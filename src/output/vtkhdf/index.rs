@@ -1,14 +1,15 @@
 //! The index: what VTK reads, composed of the files of the frames.
 use super::frame_file::{fields, unit};
 use super::{Entry, file_name, name, relative};
-use crate::output::create::create;
-use crate::output::error::{self, Error, Result};
+use crate::output::draft::Draft;
+use crate::output::error::{Error, Result};
 use crate::output::frame::Field;
+use crate::output::run_id::RunId;
+use crate::output::seal;
 use crate::output::stored::{self, Virtual, table};
-use crate::output::{seal, space};
 use hdf5::types::{FixedAscii, OwnedDynValue};
 use hdf5::{Dataset, File, Group, H5Type, Selection};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The cell kinds that VTK demands; only the first is filled.
 const TOPOLOGIES: [&str; 4] = ["Vertices", "Lines", "Polygons", "Strips"];
@@ -20,24 +21,34 @@ pub const CELLS: &str = "cells.h5";
 const CONNECTIVITY: &str = "Connectivity";
 const CELL_OFFSETS: &str = "Offsets";
 
+/// What an index says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Index {
+    /// Whose frames.
+    pub run: RunId,
+    pub fields: Vec<Field>,
+    pub entries: Vec<Entry>,
+}
+
 /// Writes the index of some frames, in place of the one that was there.
 ///
 /// # Errors
 /// If it cannot be written; then the old one stays.
-pub fn write(path: &Path, fields: &[Field], entries: &[Entry]) -> Result<()> {
-    let aside = aside(path, |file| lay_out(file, fields, entries), room(fields, entries))?;
-    seal::seal(&aside)?;
-    std::fs::rename(&aside, path).map_err(error::io("rename", &aside))
+pub fn write(path: &Path, run: RunId, fields: &[Field], entries: &[Entry]) -> Result<()> {
+    let draft = Draft::create(path, SLACK)?;
+    draft.reserve(room(fields, entries))?;
+    draft.write(|file| lay_out(file, run, fields, entries))?;
+    draft.finish().map(drop)
 }
 
 /// Reads an index.
 ///
 /// # Errors
 /// If the file is missing, damaged, or of another kind.
-pub fn read(path: &Path) -> Result<(Vec<Field>, Vec<Entry>)> {
+pub fn read(path: &Path) -> Result<Index> {
     seal::verify(path)?;
     let file = stored::open(path, Virtual::Passed)?;
-    let read = || -> hdf5::Result<(Vec<Field>, Vec<Entry>)> {
+    let read = || -> hdf5::Result<Index> {
         let root = file.group(name::ROOT)?;
         let n = root.group(name::STEPS)?.attr(name::FRAMES)?.read_scalar::<i64>()?;
         let n = usize::try_from(n).map_err(|_| hdf5::Error::Internal(format!("{n} frames")))?;
@@ -52,7 +63,8 @@ pub fn read(path: &Path) -> Result<(Vec<Field>, Vec<Entry>)> {
             particles: counts[k] as usize,
             digest: u128::from(digests[2 * k]) << 64 | u128::from(digests[2 * k + 1]),
         };
-        Ok((fields(&root.group(name::DATA)?)?, (0..n).map(entry).collect()))
+        let fields = fields(&root.group(name::DATA)?)?;
+        Ok(Index { run: RunId::read(&root)?, fields, entries: (0..n).map(entry).collect() })
     };
     read().map_err(|source| Error::Content {
         path: path.into(),
@@ -79,39 +91,19 @@ pub fn write_cells(index: &Path, n: usize) -> Result<()> {
         Ok(())
     };
     let rows = (n + 1).next_multiple_of(super::CHUNK.min(n + 1));
-    let aside = aside(&path, lay_out, 2 * size_of::<i64>() * rows + SLACK)?;
-    std::fs::rename(&aside, &path).map_err(error::io("rename", &aside))
+    let draft = Draft::create(&path, SLACK)?;
+    draft.reserve(2 * size_of::<i64>() * rows + SLACK)?;
+    draft.write(lay_out)?;
+    draft.finish().map(drop)
 }
 
-/// Writes an HDF5 file aside.
-fn aside(path: &Path, lay_out: impl FnOnce(&File) -> hdf5::Result<()>, room: usize) -> Result<PathBuf> {
-    let aside = path.with_added_extension("part");
-    let write = || -> Result<()> {
-        create(&aside)?;
-        space::reserve(&aside, SLACK)?;
-        let file = stored::create(&aside)?;
-        space::reserve(&aside, room)?;
-        let length = lay_out(&file).and_then(|()| file.flush()).map(|()| file.size());
-        let length = length.map_err(error::hdf5("write", &aside))?;
-        file.close().map_err(error::hdf5("close", &aside))?;
-        space::trim(&aside, length)
-    };
-    match write() {
-        Ok(()) => Ok(aside),
-        Err(error) => {
-            // best effort: the error that matters is the one returned
-            let _ = std::fs::remove_file(&aside);
-            Err(error)
-        }
-    }
-}
-
-fn lay_out(file: &File, fields: &[Field], entries: &[Entry]) -> hdf5::Result<()> {
+fn lay_out(file: &File, run: RunId, fields: &[Field], entries: &[Entry]) -> hdf5::Result<()> {
     let root = file.create_group(name::ROOT)?;
     root.new_attr::<i64>().shape(2).create("Version")?.write_raw(&[2i64, 0])?;
     // older readers know only fixed-length ASCII here
     let kind = FixedAscii::<8>::from_ascii("PolyData").map_err(|e| hdf5::Error::Internal(e.to_string()))?;
     root.new_attr::<FixedAscii<8>>().create("Type")?.write_scalar(&kind)?;
+    run.write(&root)?;
     steps(&root, entries)?;
     cells(&root, entries)?;
 

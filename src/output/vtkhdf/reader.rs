@@ -1,5 +1,6 @@
 //! Reads frames back.
-use super::{Entry, file, frame_file, index};
+use super::index::{self, Index};
+use super::{Entry, file, frame_file};
 use crate::output::error::{Error, Result};
 use crate::output::frame::Field;
 use crate::output::snapshot::Snapshot;
@@ -20,7 +21,7 @@ impl Reader {
     /// # Errors
     /// If the file is missing, damaged, or of another kind.
     pub fn open(path: &Path) -> Result<Self> {
-        let (fields, entries) = index::read(path)?;
+        let Index { fields, entries, .. } = index::read(path)?;
         let times = entries.iter().map(|entry| entry.time).collect();
         Ok(Self { path: path.into(), entries, times, fields })
     }

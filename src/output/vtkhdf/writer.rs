@@ -1,10 +1,12 @@
 //! Writes frames.
-use super::frame_file::{self, FrameFile};
-use super::{Entry, file, folder, index};
+use super::frame_file::FrameFile;
+use super::index::{self, Index};
+use super::{Entry, Found, file, folder};
 use crate::output::create::remove;
 use crate::output::error::{self, Error, Result};
 use crate::output::frame::{Field, Frame, Head, Piece};
-use crate::output::seal;
+use crate::output::run_id::RunId;
+use crate::output::{draft, seal};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -19,6 +21,7 @@ const SHARE: u32 = 20;
 #[derive(Debug)]
 pub struct Writer {
     path: PathBuf,
+    run: RunId,
     /// Of the first frame, by name; empty before it.
     fields: Vec<Field>,
     entries: Vec<Entry>,
@@ -37,60 +40,39 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// A new index without frames. An old one of that name is replaced, and its frames are deleted.
+    /// A new index of a run, without frames. An old one of that name is replaced, and its frames are deleted.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn create(path: &Path) -> Result<Self> {
+    pub fn create(path: &Path, run: RunId) -> Result<Self> {
         own_folder(path)?;
         // the index first: it must not name what is no longer there
-        index::write(path, &[], &[])?;
+        index::write(path, run, &[], &[])?;
         forget_from(path, 0)?;
-        Ok(Self::at(path, 0, Vec::new(), Vec::new()))
+        Ok(Self::at(path, Index { run, fields: Vec::new(), entries: Vec::new() }, 0))
     }
 
-    /// Goes on after a restart: keeps the first `frames` frames, those that are whole. Says what was not as it should be.
+    /// Goes on after a restart with the frames that were found. Says what was not as it should be.
     ///
     /// # Errors
     /// If the folder cannot be written.
-    pub fn resume(path: &Path, frames: u64) -> Result<(Self, Vec<String>)> {
-        let mut warnings = Vec::new();
-        let (fields, all) = index::read(path).unwrap_or_else(|error| {
-            if frames > 0 {
-                warnings.push(format!("{error}. It is made anew of its frames"));
-            }
-            collect(path, frames, &mut warnings)
-        });
+    pub fn resume(path: &Path, found: Found) -> Result<(Self, Vec<String>)> {
+        let Found { index, frames, named, wrong, mut warnings } = found;
         own_folder(path)?;
-        let known = all.len();
-        let mut entries = Vec::new();
-        for entry in all.into_iter().filter(|entry| entry.number < frames) {
-            let file = file(path, entry.number);
-            match seal::stated(&file) {
-                Ok(digest) if digest == entry.digest => entries.push(entry),
-                Ok(_) => {
-                    let problem = format!("{}: the index names another frame there", file.display());
-                    warnings.push(set_aside(&file, &problem)?);
-                }
-                Err(error) => warnings.push(set_aside(&file, &error.to_string())?),
-            }
+        for (file, problem) in &wrong {
+            warnings.push(set_aside(file, problem)?);
         }
-        let missing = frames - entries.len() as u64;
-        if missing > 0 && warnings.is_empty() {
-            warnings.push(format!("{}: {missing} of its {frames} frames are missing", path.display()));
-        }
-        let fields = if entries.is_empty() { Vec::new() } else { fields };
-        if !warnings.is_empty() || known != entries.len() || !path.is_file() {
-            index::write(path, &fields, &entries)?;
+        if !named {
+            index::write(path, index.run, &index.fields, &index.entries)?;
         }
         forget_from(path, frames)?;
-        Ok((Self::at(path, frames, fields, entries), warnings))
+        Ok((Self::at(path, index, frames), warnings))
     }
 
-    fn at(path: &Path, next: u64, fields: Vec<Field>, entries: Vec<Entry>) -> Self {
+    fn at(path: &Path, Index { run, fields, entries }: Index, next: u64) -> Self {
         let (named, index) = (entries.len(), (Instant::now(), Duration::ZERO));
         let (path, unsynced) = (path.into(), Vec::new());
-        Self { path, fields, entries, next, cells: 0, unsynced, open: None, named, index }
+        Self { path, run, fields, entries, next, cells: 0, unsynced, open: None, named, index }
     }
 
     /// Writes one more frame that is in memory. Its fields must be those of the first frame.
@@ -131,7 +113,7 @@ impl Writer {
         self.fields = fields;
         let particles = head.particles;
         let path = file(&self.path, self.next);
-        self.open = Some(discarded(&path, FrameFile::create(&path, head))?);
+        self.open = Some(FrameFile::create(&path, self.run, head)?);
         let most = self.entries.iter().map(|entry| entry.particles).fold(particles, usize::max);
         if self.cells < most {
             index::write_cells(&self.path, most)?;
@@ -146,8 +128,11 @@ impl Writer {
     /// If they cannot be written.
     pub fn piece(&mut self, piece: &Piece) -> Result<()> {
         let Some(open) = &mut self.open else { return Ok(()) };
-        let path = file(&self.path, self.next);
-        discarded(&path, open.piece(piece))
+        let written = open.piece(piece);
+        if written.is_err() {
+            self.open = None;
+        }
+        written
     }
 
     /// Ends the frame: from now on it counts.
@@ -157,7 +142,7 @@ impl Writer {
     pub fn end(&mut self) -> Result<()> {
         let Some(open) = self.open.take() else { return Ok(()) };
         let path = file(&self.path, self.next);
-        let entry = discarded(&path, open.finish(self.next))?;
+        let entry = open.finish(self.next)?;
         self.entries.push(entry);
         let (last, took) = self.index;
         if (self.entries.len() <= PROMPT || last.elapsed() > SHARE * took)
@@ -177,7 +162,7 @@ impl Writer {
             return Ok(());
         }
         let began = Instant::now();
-        index::write(&self.path, &self.fields, &self.entries)?;
+        index::write(&self.path, self.run, &self.fields, &self.entries)?;
         (self.named, self.index) = (self.entries.len(), (Instant::now(), began.elapsed()));
         Ok(())
     }
@@ -204,36 +189,8 @@ impl Writer {
     }
 }
 
-/// Removes what a failed attempt at a frame left.
-fn discarded<T>(path: &Path, result: Result<T>) -> Result<T> {
-    if result.is_err() {
-        frame_file::discard(path);
-    }
-    result
-}
-
-/// The frames that are there, if nothing says which there should be.
-fn collect(index: &Path, frames: u64, warnings: &mut Vec<String>) -> (Vec<Field>, Vec<Entry>) {
-    let (mut fields, mut entries) = (Vec::new(), Vec::new());
-    for number in 0..frames {
-        let path = file(index, number);
-        match frame_file::describe(&path, number) {
-            Ok((entry, its)) if entries.is_empty() || fields == its => {
-                fields = its;
-                entries.push(entry);
-            }
-            Ok(_) => warnings.push(format!("{}: it has other fields; the frame is left out", path.display())),
-            Err(error) => warnings.push(format!("{error}; the frame is left out")),
-        }
-    }
-    (fields, entries)
-}
-
-/// Renames a frame that is damaged, if it is there; what to say.
+/// Renames a file that is no frame of this run; what to say.
 fn set_aside(file: &Path, problem: &str) -> Result<String> {
-    if fs::symlink_metadata(file).is_err() {
-        return Ok(format!("{problem}; the frame is left out"));
-    }
     let aside = file.with_added_extension("damaged");
     fs::rename(file, &aside).map_err(error::io("rename", file))?;
     Ok(format!("{problem}; it is now {}, and left out of the frames", aside.display()))
@@ -285,13 +242,10 @@ pub fn remove_frames(index: &Path) -> Result<()> {
 /// Deletes the frames from a number on, and unfinished ones.
 fn forget_from(index: &Path, first: u64) -> Result<()> {
     let entries = fs::read_dir(folder(index)).into_iter().flatten().flatten().map(|entry| entry.path());
-    let number = |path: &Path| {
-        let name = path.file_name()?.to_str()?;
-        name.strip_suffix(".part").unwrap_or(name).strip_suffix(".h5")?.parse::<u64>().ok()
+    let number = |path: &Path| path.file_name()?.to_str()?.strip_suffix(".h5")?.parse::<u64>().ok();
+    let goes = |path: &PathBuf| match draft::of(path) {
+        Some(whole) => number(&whole).is_some(),
+        None => number(path).is_some_and(|n| n >= first),
     };
-    let unfinished = |path: &Path| path.extension().is_some_and(|extension| extension == "part");
-    for path in entries.filter(|path| number(path).is_some_and(|n| n >= first || unfinished(path))) {
-        remove(&path)?;
-    }
-    Ok(())
+    entries.filter(goes).try_for_each(|path| remove(&path))
 }

@@ -65,6 +65,26 @@ impl Solid {
         }
     }
 
+    /// How far it reaches along three axes of its own [m]: turning does not change them. Those of its bounds for set operations.
+    pub fn extents(&self) -> [f64; 3] {
+        let length = |ends: &[[f64; 3]; 2]| dot(sub(ends[1], ends[0]), sub(ends[1], ends[0])).sqrt();
+        match self {
+            Solid::Cone { ends, radii } => {
+                let across = 2.0 * radii[0].max(radii[1]);
+                [across, across, length(ends)]
+            }
+            Solid::Capsule { ends, radius } => {
+                let across = 2.0 * radius;
+                [across, across, length(ends) + across]
+            }
+            Solid::Translate { solid, .. } | Solid::Rotate { solid, .. } => solid.extents(),
+            _ => {
+                let (lower, upper) = self.bounds();
+                sub(upper, lower)
+            }
+        }
+    }
+
     /// A box that holds the solid; the smallest one but for rotations and set operations.
     pub fn bounds(&self) -> Bounds {
         match self {

@@ -3,6 +3,7 @@ use super::{due, rows};
 use crate::output::checkpoint::{self, Head};
 use crate::output::create::{remove, write_whole};
 use crate::output::history::{History, Table};
+use crate::output::run_id::RunId;
 use crate::output::{self, vtkhdf};
 use scene::Scene;
 use std::path::{Path, PathBuf};
@@ -37,6 +38,19 @@ pub fn held(folder: &Path) -> Held {
     }
 }
 
+/// Whether a file is there that a run has left: what a user asks for must not replace it.
+pub fn is_result(path: &Path) -> bool {
+    // as links lead to it
+    let real = path.canonicalize().unwrap_or_default();
+    let (Some(folder), Some(name)) = (real.parent(), real.file_name()) else { return false };
+    let checkpoints = checkpoint::list(folder);
+    let ours = FILES.iter().any(|file| *file == name) || checkpoints.contains(&real);
+    // others call a table of theirs so, too
+    let others = FILES.iter().filter(|file| **file != name && folder.join(file).exists()).count();
+    let frame = || folder.parent().is_some_and(|run| held(run) == Held::Run && vtkhdf::is_frame(run, &real));
+    ours && others + checkpoints.len() > 0 || frame()
+}
+
 /// The open ones.
 pub struct Files {
     /// Rows in time.
@@ -50,7 +64,7 @@ impl Files {
     ///
     /// # Errors
     /// If the folder or a file in it cannot be written.
-    pub fn create(folder: &Path, scene: &Scene) -> output::Result<Self> {
+    pub fn create(folder: &Path, run: RunId, scene: &Scene) -> output::Result<Self> {
         let cannot = |source| output::Error::Io { action: "create", path: folder.into(), source };
         std::fs::create_dir_all(folder).map_err(cannot)?;
         let files = FILES.iter().map(|file| folder.join(file));
@@ -64,7 +78,7 @@ impl Files {
         write_whole(&folder.join(SCENE), scene.resolved.as_bytes())?;
         let particles = match scene.output.frames {
             0 => None,
-            _ => Some(vtkhdf::Writer::create(&index)?),
+            _ => Some(vtkhdf::Writer::create(&index, run)?),
         };
         Ok(Self { history, particles })
     }
@@ -85,16 +99,20 @@ impl Files {
         let (index, mut warnings) = (folder.join(PARTICLES), Vec::new());
         // what is refused is refused before anything is changed
         vtkhdf::refuse_link(&index)?;
+        let frames = head.recorded.frames.saturating_sub(dropped[1].into());
+        let found = match scene.output.frames {
+            0 => None,
+            _ => Some(vtkhdf::Found::look(&index, head.recorded.run, frames)?),
+        };
         let end = if dropped[0] { head.time.next_down() } else { head.time };
         let history = resume_history(&folder.join(HISTORY), scene, (head, end), &mut warnings)?;
         checkpoint::set_aside(folder, damaged)?;
         remove(&folder.join(SUMMARY))?;
         write_whole(&folder.join(SCENE), scene.resolved.as_bytes())?;
-        let particles = match scene.output.frames {
-            0 => None,
-            _ => {
-                let frames = head.recorded.frames.saturating_sub(dropped[1].into());
-                let (writer, problems) = vtkhdf::Writer::resume(&index, frames)?;
+        let particles = match found {
+            None => None,
+            Some(found) => {
+                let (writer, problems) = vtkhdf::Writer::resume(&index, found)?;
                 warnings.extend(problems);
                 Some(writer)
             }

@@ -10,7 +10,9 @@ mod summarize;
 use super::Simulation;
 use super::watch::Watch;
 use crate::output::checkpoint::{self, Head, Reader, Recorded};
+use crate::output::claim::Claim;
 use crate::output::frame;
+use crate::output::run_id::RunId;
 use crate::output::summary::{Status, Summary};
 use crate::output::{self, vtkhdf};
 use crate::output::{parcel, together};
@@ -18,14 +20,18 @@ use backup::Backup;
 use due::Checkpoints;
 use engine::exec::ranks::{Network, collective};
 use files::Files;
-pub use files::{Held, held};
+pub use files::{Held, held, is_result};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::time::Instant;
 use summarize::Ending;
 
 /// Writes what a run leaves behind.
 pub struct Recorder {
     folder: PathBuf,
+    run: RunId,
+    /// Whose folder it is, on rank 0.
+    claim: Option<Rc<Claim>>,
     /// On rank 0.
     files: Option<Files>,
     /// Number of the next frame.
@@ -93,12 +99,13 @@ impl Recorder {
     /// # Errors
     /// If the folder or a file in it cannot be written.
     pub fn create(folder: &Path, simulation: &mut Simulation) -> output::Result<Self> {
+        let run = RunId::new();
         let files = match simulation.network().rank() {
-            0 => Files::create(folder, &simulation.scene).map(Some),
+            0 => Files::create(folder, run, &simulation.scene).map(Some),
             _ => Ok(None),
         };
         let files = together::agree(simulation.network(), files)?;
-        let mut recorder = Self::new(folder, simulation, files);
+        let mut recorder = Self::new(folder, run, simulation, files);
         recorder.row(simulation, true)?;
         recorder.frame(simulation)?;
         Ok(recorder)
@@ -122,21 +129,24 @@ impl Recorder {
             _ => Ok(None),
         };
         let (files, warnings) = together::agree(simulation.network(), files)?.unzip();
-        let mut recorder = Self::new(folder, simulation, files);
-        (recorder.before, recorder.last) =
-            (head.recorded, [0, 1].map(|i| head.recorded.last[i] && !dropped[i]));
+        let mut recorder = Self::new(folder, head.recorded.run, simulation, files);
+        let frames = head.recorded.frames.saturating_sub(dropped[1].into());
+        recorder.before = Recorded { frames, ..head.recorded };
+        recorder.last = [0, 1].map(|i| head.recorded.last[i] && !dropped[i]);
         let every = due::frame_interval(&simulation.scene);
         let same = head.recorded.due > 0 && due::stored_frame_interval(&head.scene) == Some(every);
-        let due = head.recorded.due as usize - usize::from(dropped[1]);
+        let due = (head.recorded.due as usize).saturating_sub(dropped[1].into());
         recorder.due = if same { due } else { due::after(head.time, every) };
         Ok((recorder, warnings.unwrap_or_default()))
     }
 
-    fn new(folder: &Path, simulation: &Simulation, files: Option<Files>) -> Self {
+    fn new(folder: &Path, run: RunId, simulation: &Simulation, files: Option<Files>) -> Self {
         let checkpoints = Checkpoints::begin(simulation.clock().time, &simulation.scene.output.checkpoint);
         let (folder, began, before) = (folder.to_owned(), Instant::now(), Recorded::default());
         Self {
             folder,
+            run,
+            claim: None,
             files,
             due: 0,
             checkpoints,
@@ -149,6 +159,16 @@ impl Recorder {
             warnings: Vec::new(),
             told: 0,
         }
+    }
+
+    /// From now on this writes only while the folder is this process's, which rank 0 claimed.
+    pub fn guard(&mut self, claim: Option<Rc<Claim>>) {
+        self.claim = claim;
+    }
+
+    /// Whether the folder is still this process's.
+    fn hold(&self) -> output::Result<()> {
+        self.claim.as_ref().map_or(Ok(()), |claim| claim.hold())
     }
 
     /// After a step: a row, a frame and a checkpoint, if they are due. A run that is `interrupted` on any rank gets a
@@ -204,8 +224,9 @@ impl Recorder {
             return Ok(());
         }
         let began = Instant::now();
+        let held = self.hold();
         let writer = self.files.as_mut().and_then(|files| files.particles.as_mut());
-        let written = write_frame(writer, simulation);
+        let written = write_frame(writer, simulation, held);
         together::agree(simulation.network(), written)?;
         self.due += 1;
         self.output_s += began.elapsed().as_secs_f64();
@@ -215,7 +236,8 @@ impl Recorder {
     fn checkpoint(&mut self, simulation: &mut Simulation) -> output::Result<()> {
         let began = Instant::now();
         // what a checkpoint counts on must be on the disk before it
-        let synced = self.files.as_mut().map_or(Ok(()), Files::sync);
+        let held = self.hold();
+        let synced = held.and_then(|()| self.files.as_mut().map_or(Ok(()), Files::sync));
         together::agree(simulation.network(), synced)?;
         simulation.write_checkpoint(&self.folder, self.recorded())?;
         let kept = simulation.scene.output.checkpoint.kept;
@@ -229,9 +251,11 @@ impl Recorder {
 
     /// How far the files have come.
     fn recorded(&self) -> Recorded {
-        let frames = self.files.as_ref().and_then(|files| files.particles.as_ref()).map_or(0, |f| f.frames());
+        let writer = self.files.as_ref().and_then(|files| files.particles.as_ref());
         Recorded {
-            frames,
+            run: self.run,
+            // those of a run that wants no more stay
+            frames: writer.map_or(self.before.frames, vtkhdf::Writer::frames),
             due: self.due as u64,
             last: self.last,
             wall_s: self.wall_s(),
@@ -260,6 +284,7 @@ impl Recorder {
     /// # Errors
     /// If a file cannot be written.
     pub fn finish(mut self, simulation: &mut Simulation, end: End) -> output::Result<Summary> {
+        together::agree(simulation.network(), self.hold())?;
         let (status, error) = match end {
             End::Completed => (Status::Completed, None),
             End::Interrupted => (Status::Interrupted, None),
@@ -276,7 +301,7 @@ impl Recorder {
         let wall_s = self.wall_s();
         let stepping_s = wall_s - self.output_s - self.before.output_s;
         let warnings = std::mem::take(&mut self.warnings);
-        let ending = Ending { status, error, warnings, wall_s, stepping_s };
+        let ending = Ending { run: self.run, status, error, warnings, wall_s, stepping_s };
         let summary = summarize::summarize(simulation, ending)?;
         let path = self.folder.join(files::SUMMARY);
         let written = self.files.map_or(Ok(()), |_| summary.write(&path));
@@ -285,8 +310,12 @@ impl Recorder {
     }
 }
 
-/// Writes a frame on rank 0 (the one with the writer), from pieces of all ranks.
-fn write_frame(mut writer: Option<&mut vtkhdf::Writer>, simulation: &mut Simulation) -> output::Result<()> {
+/// Writes a frame on rank 0 (the one with the writer), from pieces of all ranks, if the folder is `held`.
+fn write_frame(
+    mut writer: Option<&mut vtkhdf::Writer>,
+    simulation: &mut Simulation,
+    held: output::Result<()>,
+) -> output::Result<()> {
     let (time, step) = (simulation.clock().time, simulation.steps());
     let mine = simulation.warehouse.particle_count();
     let rank = simulation.network().rank();
@@ -296,7 +325,7 @@ fn write_frame(mut writer: Option<&mut vtkhdf::Writer>, simulation: &mut Simulat
     let Simulation { scene, warehouse, network, .. } = simulation;
     let snapshot = super::Snapshot::new(scene, warehouse);
     let head = frame::Head { time, step, particles, fields: snapshot.fields().to_vec() };
-    let mut written = writer.as_mut().map_or(Ok(()), |writer| writer.begin(head));
+    let mut written = held.and_then(|()| writer.as_mut().map_or(Ok(()), |writer| writer.begin(head)));
     // whatever fails here, the others send all they have
     let take = |piece| {
         if let (Ok(()), Some(writer)) = (&written, &mut writer) {

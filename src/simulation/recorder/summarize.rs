@@ -1,5 +1,6 @@
 //! What `summary.json` says about a run.
 use crate::output;
+use crate::output::run_id::RunId;
 use crate::output::summary::{self, Energy, FirstFailure, MaterialSummary, Reaction, Status, Summary};
 use crate::simulation::report::{FirstEvent, GiverReport, MaterialReport, Report};
 use crate::simulation::{Simulation, failures};
@@ -8,6 +9,8 @@ use std::collections::BTreeMap;
 
 /// How a run ended, and the seconds that it took.
 pub struct Ending {
+    /// Whose it is.
+    pub run: RunId,
     /// How.
     pub status: Status,
     /// The error that ended it.
@@ -25,7 +28,7 @@ pub struct Ending {
 /// # Errors
 /// If a rank is gone.
 pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<Summary> {
-    let Ending { status, error, warnings, wall_s, stepping_s } = ending;
+    let Ending { run, status, error, warnings, wall_s, stepping_s } = ending;
     let report = simulation.report()?;
     let energy = report.energy();
     let [particle_bytes, node_bytes, peak_bytes, updates] = over_ranks(simulation)?;
@@ -41,6 +44,7 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
     });
     let is_failure = |event: &str| failures::EVENTS.contains(&event);
     let mut more = BTreeMap::from([
+        ("run", run.to_string().into()),
         ("memory_bytes", serde_json::json!({ "particles": particle_bytes, "nodes": node_bytes })),
         ("peak_bytes", peak_bytes.into()),
         ("balance", balance),

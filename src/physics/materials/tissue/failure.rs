@@ -1,6 +1,6 @@
 //! When tissue fails, as types: the criterion is compiled into the law.
 use super::{State, Terms};
-use crate::law::{Events, Kinematics, MAX_COUNTS, MAX_EVENTS, Variable, inadmissible};
+use crate::law::{Events, Kinematics, MAX_COUNTS, MAX_EVENTS, UNSTABLE, Variable, inadmissible};
 use crate::tensor::{determinant, solve};
 use simd::{Mask, Simd};
 
@@ -46,8 +46,8 @@ pub trait Failure: Copy + Send + Sync + 'static {
     /// Names of what can happen.
     const EVENTS: &'static [&'static str] = &[];
 
-    /// Names of the states whose particles are counted.
-    const COUNTS: &'static [&'static str] = &[];
+    /// Names of the states whose particles are counted; the last one is [`UNSTABLE`], which the tissue itself sees to.
+    const COUNTS: &'static [&'static str];
 
     /// Judges the step. `stored(F, J)` are the energies of all terms; it is dear.
     fn judge<S: Simd>(
@@ -61,7 +61,7 @@ pub trait Failure: Copy + Send + Sync + 'static {
     /// What acts at a volume ratio J.
     fn present<S: Simd>(&self, j: S, history: &[S]) -> Present;
 
-    /// Which particles are in each state of `COUNTS`.
+    /// Which particles are in each state of `COUNTS` but the last.
     #[inline(always)]
     fn counts<S: Simd>(&self, _history: &[S]) -> [Mask; MAX_COUNTS] {
         [0; MAX_COUNTS]
@@ -77,6 +77,7 @@ pub struct NoFailure;
 
 impl Failure for NoFailure {
     const HISTORY: &'static [Variable] = &[FIBER[0], FIBER[1], FIBER[2]];
+    const COUNTS: &'static [&'static str] = &[UNSTABLE];
 
     #[inline(always)]
     fn judge<S: Simd>(
@@ -179,7 +180,7 @@ impl Failure for TwoSurface {
         Variable { name: "fracture_energy", unit: "J/m^3" },
     ];
     const EVENTS: &'static [&'static str] = &["matrix", "fiber"];
-    const COUNTS: &'static [&'static str] = &["matrix", "fiber", "total", "crushed"];
+    const COUNTS: &'static [&'static str] = &["matrix", "fiber", "total", "crushed", UNSTABLE];
 
     #[inline(always)]
     fn judge<S: Simd>(

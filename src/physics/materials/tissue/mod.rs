@@ -17,6 +17,7 @@ use crate::law::Variable;
 use crate::law::inadmissible;
 use crate::tensor::apply;
 use crate::tensor::deviator_invariants;
+use crate::tensor::quadratic;
 use crate::tensor::scaled;
 use crate::tensor::times_transpose;
 use simd::Mask;
@@ -157,10 +158,19 @@ impl<F> Tissue<F> {
         Terms { matrix, fiber: (S::splat(self.c3) * half).fma(toe, line), volume }
     }
 
+    /// What resists a wave, with these K, μ, h and λ̃ dh/dλ̃.
+    #[inline(always)]
+    fn stiffness<S: Simd>(state: &State<S>, bulk: S, shear: S, [h, slope]: [S; 2]) -> Stiffness<S> {
+        let State { ln_j, mean, j2, .. } = *state;
+        // J² U″ = K (1 − ln J)
+        let volumetric = bulk.fnma(ln_j, bulk);
+        Stiffness { volumetric, shear, mean, j2, fiber_stress: h, fiber_slope: slope }
+    }
+
     /// Stress and modulus of the terms that are present.
     #[inline(always)]
     fn respond<S: Simd>(&self, state: &State<S>, present: Present, events: Events) -> Response<S> {
-        let State { ln_j, b, mean, j2, .. } = *state;
+        let State { ln_j, b, mean, .. } = *state;
         let shear = keep(present.matrix, S::splat(2.0 * self.c1));
         let bulk = keep(present.volume, S::splat(self.bulk));
         let (h, slope) = self.fiber(state.root * state.stretch);
@@ -181,15 +191,28 @@ impl<F> Tissue<F> {
             normal(b[5], z),
         ];
 
-        // J² U″ = K (1 − ln J)
-        let volumetric = bulk.fnma(ln_j, bulk);
-        let stiffness = Stiffness { volumetric, shear, mean, j2, fiber_stress: h, fiber_slope: slope };
+        let stiffness = Self::stiffness(state, bulk, shear, [h, slope]);
         // lanes without a term, or with J ≤ 0, may hold anything, even NaN
         let carries = (present.matrix | present.fiber | present.volume) & !inadmissible(state.j);
         for t in &mut kirchhoff {
             *t = keep(carries, *t);
         }
         Response { kirchhoff, modulus: keep(carries, stiffness.bound()), events }
+    }
+}
+
+impl<F: Failure> Tissue<F> {
+    /// Which particles have all their terms and yet no wave along their fibers: where J has grown so far that the volume
+    /// resists no more (K (1 − ln J)), or where h grows slower than the fibers get thin, as beyond a small λ*.
+    #[inline(always)]
+    fn unstable<S: Simd>(&self, k: &Kinematics<S>, history: &[S]) -> Mask {
+        let state = State::new(&k.f, k.j, &[history[0], history[1], history[2]]);
+        let Present { matrix, fiber, volume } = self.failure.present(k.j, &history[3..]);
+        let (h, slope) = self.fiber(state.root * state.stretch);
+        let (bulk, shear) = (S::splat(self.bulk), S::splat(2.0 * self.c1));
+        let along = quadratic(&state.b, &state.fiber) / (state.stretch * state.stretch);
+        let modulus = Self::stiffness(&state, bulk, shear, [h, slope]).along_fibers(along);
+        modulus.lt(S::splat(0.0)) & matrix & fiber & volume
     }
 }
 
@@ -213,8 +236,10 @@ impl<F: Failure> Law for Tissue<F> {
     }
 
     #[inline(always)]
-    fn counts<S: Simd>(&self, history: &[S]) -> [Mask; MAX_COUNTS] {
-        self.failure.counts(&history[3..])
+    fn counts<S: Simd>(&self, k: &Kinematics<S>, history: &[S]) -> [Mask; MAX_COUNTS] {
+        let mut counts = self.failure.counts(&history[3..]);
+        counts[F::COUNTS.len() - 1] = self.unstable(k, history);
+        counts
     }
 
     #[inline(always)]

@@ -1,0 +1,148 @@
+//! Files of a run that something outside of it has touched.
+use crate::*;
+use sinew::output::vtkhdf;
+use std::os::unix::fs::PermissionsExt;
+
+/// A run that lasts, and writes only when it is asked to.
+fn quiet(out: &Path) -> Child {
+    let quiet = ["-q", "--set", "run.cfl=1e-4", "--set", "output.frames=0", "--out"];
+    let child = ok(run(&quiet).arg(out).stdout(Stdio::null()).stderr(Stdio::piped()).spawn());
+    let history = out.join("history.csv");
+    until(|| std::fs::read_to_string(&history).is_ok_and(|rows| rows.lines().count() > 3));
+    child
+}
+
+fn signal(name: &str, child: &Child) {
+    assert!(ok(Command::new("kill").args([name, &child.id().to_string()]).status()).success());
+}
+
+#[test]
+fn a_run_whose_folder_was_given_to_another_writes_nothing_more() {
+    let folder = temporary();
+    let out = folder.path().join("run");
+    let child = quiet(&out);
+    ok(std::fs::remove_file(out.join("run.lock")));
+    let later = ["-q", "--force", "--steps", "6", "--set", "output.checkpoint.steps=3", "--out"];
+    completed(&ok(run(&later).arg(&out).output()));
+    let other = ok(sinew::output::claim::Claim::take(&out));
+    let before = contents(&out);
+    // it wants to leave a checkpoint and a summary
+    signal("-TERM", &child);
+    let output = ok(child.wait_with_output());
+    let said = words(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    for fact in ["run.lock", &format!("process {}", std::process::id()), "has the folder now", "--out"] {
+        assert!(said.contains(fact), "{fact}: {said}");
+    }
+    assert_eq!(contents(&out), before);
+    drop(other);
+    completed(&restart(&out, &["--steps", "9"]));
+}
+
+#[test]
+fn a_lock_that_is_removed_comes_back() {
+    let folder = temporary();
+    let out = folder.path().join("run");
+    let child = quiet(&out);
+    ok(std::fs::remove_file(out.join("run.lock")));
+    signal("-TERM", &child);
+    let output = ok(child.wait_with_output());
+    assert_eq!(output.status.code(), Some(143), "{}", words(&output));
+    assert!(!out.join("run.lock").exists() && !checkpoint::list(&out).is_empty());
+}
+
+#[test]
+fn frames_stay_while_a_run_goes_on_without_any() {
+    let folder = temporary();
+    let out = folder.path().join("run");
+    let frames = || ok(vtkhdf::Reader::open(&out.join("particles.vtkhdf"))).times().to_vec();
+    completed(&ok(run(&["-q", "--steps", "20", "--set", "output.frames=1000", "--out"]).arg(&out).output()));
+    let before = frames();
+    assert!(before.len() > 5, "{before:?}");
+    completed(&restart(&out, &["--steps", "30", "--set", "output.frames=0"]));
+    completed(&restart(&out, &["--steps", "40", "--set", "output.frames=1000"]));
+    let after = frames();
+    // but for the one that was there because the run ended
+    assert!(after.starts_with(&before[..before.len() - 1]), "{before:?}, {after:?}");
+    assert!(after.len() > before.len(), "{before:?}, {after:?}");
+}
+
+#[test]
+fn a_file_that_may_not_be_read_is_not_damaged() {
+    let folder = temporary();
+    let out = folder.path().join("run");
+    let steps = ["--steps", "6", "--set", "output.checkpoint.steps=3", "--set", "output.frames=500"];
+    completed(&ok(run(&["-q"]).args(steps).arg("--out").arg(&out).output()));
+    // also where this is root, who may read all
+    let program = folder.path().join("sinew");
+    ok(std::fs::copy(assert_cmd::cargo::cargo_bin!("sinew"), &program));
+    assert!(ok(Command::new("chmod").args(["-R", "a+rwX"]).arg(folder.path()).status()).success());
+    let root = text_of(&ok(Command::new("id").arg("-u").output()).stdout) == "0";
+    let restart = || {
+        let mut command = match root {
+            true => Command::new("setpriv"),
+            false => Command::new(&program),
+        };
+        if root {
+            command.args(["--reuid=65534", "--regid=65534", "--clear-groups"]).arg(&program);
+        }
+        ok(command.args(["run", "-q", "--steps", "9", "--restart"]).arg(&out).output())
+    };
+    for file in ["particles/000001.h5", "particles.vtkhdf", "history.csv", "checkpoint-00000006.h5"] {
+        let path = out.join(file);
+        let permit = |mode| ok(std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode)));
+        permit(0o000);
+        let before = root.then(|| contents(&out));
+        refused(&restart(), &[file, "make it readable"]);
+        assert_eq!(before, root.then(|| contents(&out)), "{file}");
+        permit(0o666);
+    }
+    completed(&restart());
+}
+
+fn text_of(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).trim().into()
+}
+
+#[test]
+fn pictures_do_not_replace_files_of_a_run() {
+    let folder = temporary();
+    let out = folder.path().join("run");
+    completed(&ok(run(&["-q", "--steps", "3", "--out"]).arg(&out).output()));
+    ok(std::os::unix::fs::symlink(out.join("summary.json"), folder.path().join("link")));
+    let before = contents(folder.path());
+    let plot = |to: &Path| sinew(&["plot", text(&out), "--y", "time_s", "--out", text(to)]);
+    for name in ["history.csv", "particles.vtkhdf", "particles/000000.h5", "../link", "../run/scene.toml"] {
+        refused(&plot(&out.join(name)), &["is a file of a run"]);
+    }
+    assert_eq!(contents(folder.path()), before);
+    completed(&plot(&folder.path().join("history.csv")));
+    completed(&plot(&folder.path().join("history.csv")));
+}
+
+#[test]
+fn what_cannot_be_compared_is_neither_the_same_nor_different() {
+    let folder = temporary();
+    let [one, other] = ["one", "other"].map(|name| folder.path().join(name));
+    for out in [&one, &other] {
+        completed(&ok(run(&["-q", "--steps", "3", "--out"]).arg(out).output()));
+    }
+    let compare = || sinew(&["compare", text(&one), text(&other)]);
+    completed(&compare());
+    for file in ["particles.vtkhdf", "particles/000001.h5", "checkpoint-00000003.h5", "history.csv"] {
+        let path = other.join(file);
+        let bytes = ok(std::fs::read(&path));
+        let mut damaged = bytes.clone();
+        damaged[bytes.len() / 2] = 0xff;
+        ok(std::fs::write(&path, damaged));
+        refused(&compare(), &[file]);
+        ok(std::fs::remove_file(&path));
+        ok(std::fs::create_dir(&path));
+        if file != "checkpoint-00000003.h5" {
+            refused(&compare(), &[file, "no file"]);
+        }
+        ok(std::fs::remove_dir(&path));
+        ok(std::fs::write(&path, bytes));
+        completed(&compare());
+    }
+}
