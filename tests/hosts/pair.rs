@@ -167,7 +167,7 @@ impl Pair {
     /// `mpirun sinew` on host `a`, with two ranks on each host. What hangs ends with status [`HANGS`].
     pub fn mpirun(&self, words: &[&str]) -> Command {
         let mut command = self.a.command("timeout");
-        command.args(["-k", "1", "25", "mpirun"]);
+        command.args(["-k", "1", "40", "mpirun"]);
         let agent = format!("ssh -F {}", text(&self.settings.path().join("ssh")));
         command.args(["--host", "a:2,b:2", "--mca", "plm_rsh_agent", &agent]);
         command.args(["--mca", "oob_tcp_if_include", "eth0", "--mca", "btl_tcp_if_include", "eth0"]);
