@@ -6,7 +6,7 @@ mod common;
 mod pair;
 
 use common::command::{ok, sinew, text, words};
-use pair::Pair;
+use pair::{HANGS, Pair};
 use sinew::output::checkpoint;
 use sinew::output::summary::Summary;
 use std::collections::BTreeMap;
@@ -47,16 +47,15 @@ fn succeeds(output: &Output) -> String {
     words(output)
 }
 
-/// Ends soon with status 2, and says each fact once.
+/// Ends with status 2, and says each fact once.
 #[track_caller]
 fn refuses(pair: &Pair, run: &[&str], facts: &[&str]) {
     let began = Instant::now();
     let output = pair.output(run);
-    let (said, took) = (words(&output), began.elapsed());
-    println!("{:.1} s: {said}", took.as_secs_f64());
+    let said = words(&output);
+    println!("{:.1} s: {said}", began.elapsed().as_secs_f64());
     assert_eq!(output.status.code(), Some(2), "{run:?}: {said}");
     facts.iter().for_each(|fact| assert_eq!(said.matches(fact).count(), 1, "{fact}: {said}"));
-    assert!(took < SOON, "{run:?} took {took:?}");
 }
 
 /// The files of a folder with what they hold.
@@ -175,7 +174,7 @@ fn harm(pair: &Pair, out: &Path, harm: impl FnOnce()) {
     }
     let status = ok(job.wait());
     println!("ended after {:.1} s: {status}", began.elapsed().as_secs_f64());
-    assert!(!status.success());
+    assert!(!status.success() && status.code() != Some(HANGS));
 }
 
 /// The other host says who left the lock; then a restart by `go_on` has the bits of a run that was never stopped.
