@@ -276,6 +276,9 @@ fn wait(child: &mut Child, most: Duration) -> Option<std::process::ExitStatus> {
     None
 }
 
+/// After which a job hangs.
+const LONG: Duration = Duration::from_secs(60);
+
 /// Kills a rank or the whole job at random moments, also while a checkpoint is written, until the run is done.
 #[test]
 fn a_killed_rank_ends_the_run_and_a_restart_goes_on() {
@@ -283,16 +286,17 @@ fn a_killed_rank_ends_the_run_and_a_restart_goes_on() {
     let mut random = Random(std::process::id().into());
     let folder = ok(tempfile::tempdir());
     let steps = ["run", "problems/two-spheres", "--steps", "60", "--set", "output.frames=0"];
+    let began = Instant::now();
     let whole = result(run(2, &steps, &folder.path().join("whole")));
+    let took = began.elapsed();
     let (mut kills, mut rounds) = (0, 0);
     while kills < least {
         rounds += 1;
         let parts = folder.path().join(format!("parts-{rounds}"));
         loop {
             let mut job = start(&parts);
-            let moment = Duration::from_micros(300_000 + (random.unit() * 1_500_000.0) as u64);
-            // where a run begins slowly, it would be killed before its first step again and again
-            let moment = if kills < least { moment } else { Duration::from_secs(60) };
+            // of all the time that a run takes here, launcher and checkpoints included
+            let moment = if kills < least { took.mul_f64(0.2 + 1.3 * random.unit()) } else { LONG };
             if let Some(status) = wait(&mut job, moment) {
                 assert!(status.success(), "it ended by itself with {status}");
                 break;
@@ -303,9 +307,9 @@ fn a_killed_rank_ends_the_run_and_a_restart_goes_on() {
                 Some(&rank) if one => kill(rank),
                 _ => ranks.iter().chain([&(job.id() as i32)]).for_each(|&pid| kill(pid)),
             }
-            let Some(status) = wait(&mut job, Duration::from_secs(20)) else {
+            let Some(status) = wait(&mut job, LONG) else {
                 ranks.iter().chain([&(job.id() as i32)]).for_each(|&pid| kill(pid));
-                panic!("the others go on {} s after a rank was killed", 20)
+                panic!("the others go on {LONG:?} after a rank was killed")
             };
             if status.success() {
                 // it was done before the blow
