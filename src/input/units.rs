@@ -10,6 +10,13 @@ struct Unit {
     factor: f64,
 }
 
+impl Unit {
+    /// Whether this is its name, in which nobody needs to write `^`.
+    fn is_called(&self, name: &str) -> bool {
+        self.name.chars().filter(|c| *c != '^').eq(name.chars())
+    }
+}
+
 const fn unit(name: &'static str, dimension: Dimension, power: i32, factor: f64) -> Unit {
     Unit { name, dimension, power, factor }
 }
@@ -21,7 +28,7 @@ const HOUR: f64 = 3600.0;
 const STANDARD_GRAVITY: f64 = 9.806_65;
 const TURN_PER_MINUTE: f64 = std::f64::consts::TAU / 60.0;
 
-/// All units; the SI unit of each dimension comes first. `µ` and `³` are read as `u` and `^3`.
+/// All units; the SI unit of each dimension comes first. `µ` is read as `u`, `³` and `3` as `^3`.
 const UNITS: &[Unit] = &[
     unit("1", Dimension::One, 0, 1.0),
     unit("%", Dimension::One, -2, 1.0),
@@ -38,6 +45,8 @@ const UNITS: &[Unit] = &[
     unit("h", Dimension::Time, 0, HOUR),
     unit("m/s", Dimension::Velocity, 0, 1.0),
     unit("cm/s", Dimension::Velocity, -2, 1.0),
+    unit("mm/ms", Dimension::Velocity, 0, 1.0),
+    unit("m/ms", Dimension::Velocity, 3, 1.0),
     unit("mm/s", Dimension::Velocity, -3, 1.0),
     unit("km/s", Dimension::Velocity, 3, 1.0),
     unit("km/h", Dimension::Velocity, 0, KILOMETER_PER_HOUR),
@@ -46,10 +55,14 @@ const UNITS: &[Unit] = &[
     unit("g", Dimension::Acceleration, 0, STANDARD_GRAVITY),
     unit("kg/m^3", Dimension::Density, 0, 1.0),
     unit("g/cm^3", Dimension::Density, 3, 1.0),
+    unit("g/cc", Dimension::Density, 3, 1.0),
+    unit("t/m^3", Dimension::Density, 3, 1.0),
     unit("Pa", Dimension::Stress, 0, 1.0),
     unit("kPa", Dimension::Stress, 3, 1.0),
     unit("MPa", Dimension::Stress, 6, 1.0),
     unit("GPa", Dimension::Stress, 9, 1.0),
+    unit("N/mm^2", Dimension::Stress, 6, 1.0),
+    unit("bar", Dimension::Stress, 5, 1.0),
     unit("N", Dimension::Force, 0, 1.0),
     unit("mN", Dimension::Force, -3, 1.0),
     unit("kN", Dimension::Force, 3, 1.0),
@@ -69,15 +82,16 @@ const UNITS: &[Unit] = &[
 pub fn parse(text: &str, dimension: Dimension) -> Result<f64, String> {
     let (number, name) =
         split(text).ok_or_else(|| format!("is {text:?}, which does not start with a number"))?;
-    let name = name.replace(['µ', 'μ'], "u").replace('²', "^2").replace('³', "^3").replace('°', "deg");
+    let name = name.replace(['µ', 'μ'], "u").replace('²', "2").replace('³', "3").replace('°', "deg");
+    let name = name.replace('^', "");
     let what = self::name(dimension);
-    match UNITS.iter().find(|unit| unit.name == name && unit.dimension == dimension) {
+    match UNITS.iter().find(|unit| unit.is_called(&name) && unit.dimension == dimension) {
         Some(unit) => scaled(number, unit).ok_or_else(|| format!("is {text:?}, which is out of range")),
         None if name.is_empty() && dimension == Dimension::One => {
             scaled(number, &UNITS[0]).ok_or_else(String::new)
         }
         None if name.is_empty() => Err(format!("is {what} without a unit: {text:?}")),
-        None => Err(match UNITS.iter().find(|unit| unit.name == name) {
+        None => Err(match UNITS.iter().find(|unit| unit.is_called(&name)) {
             Some(other) => {
                 format!("is {what}, but {text:?} has a unit of {}", self::name(other.dimension))
             }
@@ -138,6 +152,12 @@ mod tests {
         assert_eq!(parse("1e3 µm", Dimension::Length), Ok(1e-3));
         assert_eq!(parse("46 GPa", Dimension::Stress), Ok(46e9));
         assert_eq!(parse("11.34 g/cm³", Dimension::Density), Ok(11340.0));
+        for density in ["1.06 g/cm^3", "1.06 g/cc", "1.06 g/cm3", "1060 kg/m3", "1060 kg/m³", "1.06 t/m3"] {
+            assert_eq!(parse(density, Dimension::Density), Ok(1060.0), "{density}");
+        }
+        assert_eq!(parse("45 mm/ms", Dimension::Velocity), Ok(45.0));
+        assert_eq!(parse("9.81 m/s2", Dimension::Acceleration), Ok(9.81));
+        assert_eq!(parse("18 N/mm²", Dimension::Stress), Ok(18e6));
         assert_eq!(parse("1.5 h", Dimension::Time), Ok(5400.0));
         assert_eq!(parse("-180 deg", Dimension::Angle), Ok(-std::f64::consts::PI));
         assert_eq!(parse("8 %", Dimension::One), Ok(0.08));
