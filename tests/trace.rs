@@ -7,6 +7,7 @@ use engine::exec::trace::{Event, Kind, Recorder, Track};
 use engine::graph::build::TaskGraph;
 use sinew::lab::diagram::{Diagram, Kind as Item};
 use sinew::lab::plan::plan;
+use sinew::lab::scale::tally;
 use sinew::output::trace::measured::{About, Measured};
 use sinew::output::trace::{read, write};
 use sinew::simulation::{rates, step_graph};
@@ -194,4 +195,28 @@ fn what_is_no_trace_is_refused_in_words() {
     let unwritable =
         write(&folder.path().join("no/such/trace.json"), &[&graph], &Recorder::new(1, 1), &mut Alone);
     assert!(unwritable.expect_err("no folder").to_string().contains("cannot create"));
+}
+
+/// A file may say anything: of more ranks than a list of them has room for, and of more bytes than can be counted.
+#[test]
+fn traces_that_no_run_wrote_are_refused_or_summed_up() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("trace.json");
+    let event = |more: &str| format!(r#"{{"ph":"X","cat":"halo wait","ts":1,"dur":1,{more}}}"#);
+    let write = |lines: &[String]| {
+        std::fs::write(&path, format!(r#"{{"traceEvents":[{}]}}"#, lines.join(","))).expect("a file");
+    };
+    for place in ["\"pid\":18446744073709551615", "\"pid\":1099511627776", "\"tid\":18446744073709551615"] {
+        write(&[event(place), event("\"args\":{\"step\":1}")]);
+        for error in [read(&path).map(drop), tally::read(&path, 0).map(drop)] {
+            let error = error.expect_err("no such rank").to_string();
+            assert!(error.contains("trace.json: not a trace"), "{error}");
+        }
+    }
+    let many =
+        event("\"args\":{\"step\":1,\"bytes\":18446744073709551615,\"messages\":18446744073709551615}");
+    write(&[many.clone(), many, event("\"args\":{\"step\":2}")]);
+    let measured = read(&path).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(measured.sums[0].1.bytes, u64::MAX);
+    assert_eq!(tally::read(&path, 0).unwrap_or_else(|e| panic!("{e}")).ranks[0].bytes, u64::MAX);
 }

@@ -1,10 +1,11 @@
 //! From a completed document to a [`Scene`]: names become indices, tables become types.
 use super::choose;
 use super::document::{Node, dotted};
-use super::error::{Fault, Outcome, all, both, suggestion};
+use super::error::{Fault, Outcome, all, both};
 use super::fields::FACES;
 use super::meetings::{contacts, drives, forces, motion};
 use super::moved::RIGID;
+use super::references;
 use super::shapes::{solid, unit_vector};
 use physics::faces::AnyFaceCondition;
 use physics::{faces, materials};
@@ -30,7 +31,8 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
             .help("use letters, digits, `-` and `_`: the name is used in files and dotted keys"));
     }
     let materials = all(named.iter().map(|e| material(&e.key, &e.node)));
-    let (materials, domain) = both(materials, domain(root.get("domain")))?;
+    let parts = both(materials, domain(root.get("domain")));
+    let (materials, domain) = parts.map_err(|fault| fault.and(without_materials(root)))?;
     let load = root.get("load");
     let bodies = all(root.get("body").items().iter().map(|node| body(node, &materials)));
     let contacts = contacts(root.get("contact"), &materials);
@@ -60,6 +62,15 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
         resolved: String::new(),
         materials,
     })
+}
+
+/// What can be told of a scene whose materials or domain are wrong.
+fn without_materials(root: &Node) -> Outcome<()> {
+    let shapes = all(root.get("body").items().iter().map(|body| solid(body.get("shape"))));
+    let fibers = all(root.get("body").items().iter().map(|body| fibers(body.get("fibers"))));
+    let parts =
+        both(both(shapes, fibers), both(face_conditions(root.get("boundary")), references::check(root)));
+    parts.map(drop)
 }
 
 fn domain(given: &Node) -> Outcome<Domain> {
@@ -144,11 +155,7 @@ fn rigid_motion(name: &str, given: &Node) -> Outcome<RigidMotion> {
 }
 
 pub(super) fn material_index(given: &Node, materials: &[Material]) -> Outcome<usize> {
-    let name = given.word();
-    materials.iter().position(|material| material.name == name).ok_or_else(|| {
-        Fault::new(given.place, format!("there is no material {name:?}"))
-            .help(suggestion(name, materials.iter().map(|material| material.name.as_str())))
-    })
+    references::material(given, materials.iter().map(|material| material.name.as_str()))
 }
 
 fn body(given: &Node, materials: &[Material]) -> Outcome<Body> {

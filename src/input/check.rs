@@ -6,6 +6,7 @@ use super::form::{Absent, Case, Counts, Field, Form, Range, most_threads};
 use super::source::Place;
 use super::units;
 use physics::parameter::Dimension;
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::num::NonZero;
 
@@ -22,9 +23,9 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
             list(items, &Form::Count(*range), path)?
         }
         (Form::Threads, Data::Integer(n)) => Data::Integer(threads(*n, node.place, path)?),
-        // integers that are too long come as numbers
-        (Form::Threads, Data::Number(n)) if *n >= i64::MAX as f64 => {
-            return Err(wrong_threads(n, cores(), node.place, path));
+        (Form::Threads, Data::Huge(n, _)) => return Err(wrong_threads(n, cores(), node.place, path)),
+        (Form::Count(range) | Form::Counts(range), Data::Huge(n, _)) => {
+            return Err(wrong_count(n, &range.limits(), node.place, path));
         }
         (Form::Choice(words), Data::Text(text)) => Data::Text(choice(text, words, node.place, path)?),
         (Form::Flag, Data::Flag(flag)) => Data::Flag(*flag),
@@ -54,7 +55,8 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
         }
         (Form::Either(options), Data::Table(entries)) => one(entries, &options().cases, node.place, path)?,
         (Form::Tagged { tag, common, cases }, Data::Table(entries)) => {
-            let fields = tagged(entries, (tag, common, cases()), node.place, path)?;
+            let fields = tagged(entries, (tag, common, cases()), node.place, path)
+                .map_err(|fault| fault.and(untagged(entries, (tag, common, cases()), path)))?;
             table(entries, &fields, node.place, path)?
         }
         (Form::Other(form), _) => return complete(node, form, path),
@@ -79,6 +81,28 @@ fn tagged(
     };
     let extra = cases.into_iter().find(|case| case.word == word).map(|case| case.fields);
     Ok(common.iter().copied().chain(extra.unwrap_or_default()).collect())
+}
+
+/// The other keys of a table whose tag is wrong: right is what is right for any of its words, and nothing is missing.
+fn untagged(entries: &[Entry], (tag, common, cases): (&str, &[Field], Vec<Case>), path: &str) -> Outcome<()> {
+    let fields: Vec<Field> =
+        common.iter().copied().chain(cases.into_iter().flat_map(|case| case.fields)).collect();
+    let one = |entry: &Entry| {
+        let path = dotted(path, &entry.key);
+        let mut found = fields.iter().filter(|field| field.key == entry.key);
+        let Some(first) = found.next() else {
+            return Err(Fault::new(entry.place, format!("unknown key `{path}`")).help(suggestion(
+                &entry.key,
+                fields.iter().map(|field| field.key).collect::<BTreeSet<_>>(),
+            )));
+        };
+        let fault = complete(&entry.node, &first.form, &path).map(drop);
+        fault.or_else(|fault| {
+            let fits = found.any(|field| complete(&entry.node, &field.form, &path).is_ok());
+            if fits { Ok(()) } else { Err(fault) }
+        })
+    };
+    all(entries.iter().filter(|entry| entry.key != tag).map(one)).map(drop)
 }
 
 fn wrong_type(node: &Node, form: &Form, path: &str) -> Fault {
@@ -125,6 +149,7 @@ fn number(node: &Node, range: &Range, path: &str) -> Outcome<f64> {
     let value = match &node.data {
         Data::Number(x) => *x,
         Data::Integer(n) => *n as f64,
+        Data::Huge(_, x) => *x,
         Data::Text(text) => units::parse(text, dimension).map_err(|what| {
             let accepted = units::accepted(dimension);
             let help = format!("units: {accepted}; a bare number without quotes is in {}", dimension.si());
@@ -145,7 +170,11 @@ fn count(n: i64, range: Counts, place: Place, path: &str) -> Outcome<i64> {
     if (range.least..=range.most).contains(&n) {
         return Ok(n);
     }
-    Err(Fault::new(place, format!("`{path}` is {n}, but must be {}", range.words())).label("out of range"))
+    Err(wrong_count(n, &range.words(), place, path))
+}
+
+fn wrong_count(n: impl Display, wanted: &str, place: Place, path: &str) -> Fault {
+    Fault::new(place, format!("`{path}` is {n}, but must be {wanted}")).label("out of range")
 }
 
 /// Cores that this process may use.

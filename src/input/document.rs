@@ -6,6 +6,9 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// Parts of a dotted key at most: shapes within shapes have most, and the reader of TOML has a like bound.
+const DEEPEST: usize = 64;
+
 /// A value and where it was written; a default has the place of the table that does not give it.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
@@ -19,6 +22,8 @@ pub(super) struct Node {
 pub(super) enum Data {
     Text(String),
     Integer(i64),
+    /// An integer of more than 64 bits, as it is written, and the number next to it.
+    Huge(String, f64),
     Number(f64),
     Flag(bool),
     /// Dates, which no field takes.
@@ -41,6 +46,7 @@ impl Data {
         match self {
             Data::Text(_) => "a string",
             Data::Integer(_) => "an integer",
+            Data::Huge(..) => "an integer of more than 64 bits",
             Data::Number(_) => "a number",
             Data::Flag(_) => "a boolean",
             Data::Date => "a date",
@@ -79,7 +85,7 @@ fn node(value: Spanned<DeValue<'_>>, source: usize) -> Node {
         DeValue::String(text) => Data::Text(text.into_owned()),
         DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
             Ok(integer) => Data::Integer(integer),
-            Err(_) => Data::Number(integer.as_str().parse().unwrap_or(f64::NAN)), // too long for 64 bits
+            Err(_) => Data::Huge(integer.to_string(), large(integer.as_str(), integer.radix())),
         },
         DeValue::Float(float) => Data::Number(float.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Boolean(flag) => Data::Flag(flag),
@@ -88,6 +94,15 @@ fn node(value: Spanned<DeValue<'_>>, source: usize) -> Node {
         DeValue::Table(table) => Data::Table(entries(table, source)),
     };
     Node { data, place, given: true }
+}
+
+/// The number next to an integer of any length.
+fn large(digits: &str, radix: u32) -> f64 {
+    let add = |sum: f64, digit: char| sum * f64::from(radix) + f64::from(digit.to_digit(radix).unwrap_or(0));
+    match radix {
+        10 => digits.parse().unwrap_or(f64::NAN),
+        _ => digits.chars().fold(0.0, add), // has no sign
+    }
 }
 
 /// Applies the override `key=value`, which is source number `index`: keys are dotted; an array takes an index or the
@@ -103,6 +118,10 @@ pub(super) fn set(root: &mut Node, key: &str, value: &str, index: usize) -> Outc
     let mut value = (!value.is_empty()).then(|| parsed.unwrap_or(bare));
     if let Some(value) = &mut value {
         value.relocate(place); // its own spans count from the made-up prefix
+    }
+    if key.split('.').count() > DEEPEST {
+        return Err(Fault::new(place, "this key leads deeper than any key of a scene")
+            .help("for the keys of a scene see: sinew scene-docs"));
     }
     let (parents, last) = key.rsplit_once('.').map_or((None, key), |(parents, last)| (Some(parents), last));
     let mut node = root;
@@ -206,6 +225,7 @@ impl Node {
         match &self.data {
             Data::Text(text) => text.as_str().into(),
             Data::Integer(integer) => (*integer).into(),
+            Data::Huge(_, number) => (*number).into(),
             Data::Number(number) => (*number).into(),
             Data::Flag(flag) => (*flag).into(),
             Data::Date => "".into(),

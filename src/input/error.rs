@@ -2,9 +2,16 @@
 use super::source::{Place, Source};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use std::fmt::{self, Display};
+use std::sync::Arc;
 
 /// Faults that are told at once; more are counted.
 const MOST: usize = 20;
+/// Letters of all of them, beside the first: more of them than fit are counted, too.
+const LETTERS: usize = 8000;
+/// Words that a misspelt one is held against, and that are listed: each fault has a list.
+const MOST_WORDS: usize = 1000;
+/// Bytes of a word that may be a misspelt one.
+const LONGEST_WORD: usize = 200;
 /// Letters of a message, of a help and of a line of the scene that are shown.
 const LONGEST: usize = 1000;
 
@@ -22,7 +29,7 @@ pub struct SceneError {
 struct Details {
     message: String,
     help: Option<String>,
-    source: Option<NamedSource<String>>,
+    source: Option<NamedSource<Arc<str>>>,
     label: Option<LabeledSpan>,
     line: Option<usize>,
 }
@@ -70,7 +77,9 @@ pub(super) struct Fault {
     message: String,
     help: Option<String>,
     label: &'static str,
-    place: Place,
+    pub place: Place,
+    /// Where in the file it shows, if an override is at fault.
+    shows: Option<Place>,
     more: Vec<Fault>,
 }
 
@@ -100,13 +109,13 @@ pub(super) fn both<A, B>(a: Outcome<A>, b: Outcome<B>) -> Outcome<(A, B)> {
 
 impl Fault {
     pub fn new(place: Place, message: impl Into<String>) -> Self {
-        let message = clipped(message.into());
-        Self { message, help: None, label: "here", place, more: Vec::new() }
+        let message = clipped(plain(message.into()));
+        Self { message, help: None, label: "here", place, shows: None, more: Vec::new() }
     }
 
     /// Names the remedy.
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(clipped(help.into()));
+        self.help = Some(clipped(plain(help.into())));
         self
     }
 
@@ -116,6 +125,14 @@ impl Fault {
         self
     }
 
+    /// With what is wrong elsewhere, if anything is.
+    pub fn and<T>(self, elsewhere: Outcome<T>) -> Self {
+        match elsewhere {
+            Ok(_) => self,
+            Err(other) => other.after(Some(self)),
+        }
+    }
+
     /// As one more fault beside others.
     fn after(self, others: Option<Self>) -> Self {
         let Some(mut first) = others else { return self };
@@ -123,14 +140,40 @@ impl Fault {
         first
     }
 
+    /// Makes it that of an override.
+    pub fn give_to(&mut self, place: Place) {
+        (self.shows, self.place, self.label) = (Some(self.place), place, "here");
+    }
+
+    /// Looks at this one and the others.
+    pub fn visit(&self, look: &mut impl FnMut(&Fault)) {
+        look(self);
+        self.more.iter().for_each(|fault| fault.visit(look));
+    }
+
+    /// Changes this one and the others.
+    pub fn each_mut(&mut self, change: &mut impl FnMut(&mut Fault)) {
+        change(self);
+        self.more.iter_mut().for_each(|fault| fault.each_mut(change));
+    }
+
     /// Shows the faults in their sources.
     pub fn in_sources(self, sources: &[Source]) -> SceneError {
         let mut faults = Vec::new();
         self.flatten(&mut faults);
         faults.sort_by_key(|fault| (fault.place.source, fault.place.start));
-        let left_out = faults.len().saturating_sub(MOST);
+        let all = faults.len();
+        let mut letters = 0;
         faults.truncate(MOST);
-        let mut errors = faults.into_iter().map(|fault| fault.shown(sources)).collect::<Vec<_>>().into_iter();
+        faults.retain(|fault| {
+            let room = letters <= LETTERS;
+            letters += fault.letters(sources);
+            room
+        });
+        let left_out = all - faults.len();
+        let texts: Vec<Arc<str>> = sources.iter().map(|source| visible(&source.text).into()).collect();
+        let shown = faults.into_iter().map(|fault| fault.shown(sources, &texts));
+        let mut errors = shown.collect::<Vec<_>>().into_iter();
         let Some(mut error) = errors.next() else { return SceneError::elsewhere(String::new(), None) };
         error.more = errors.collect();
         if left_out > 0 {
@@ -145,9 +188,21 @@ impl Fault {
         more.into_iter().for_each(|fault| fault.flatten(into));
     }
 
-    fn shown(self, sources: &[Source]) -> SceneError {
-        let Self { message, help, label, place, .. } = self;
+    /// About how much of a screen it takes.
+    fn letters(&self, sources: &[Source]) -> usize {
+        let longest =
+            sources.get(self.place.source).map_or(0, |source| source.longest_near(self.place.start));
+        let picture = if longest > LONGEST { 0 } else { 4 * longest };
+        self.message.len() + self.help.as_ref().map_or(0, String::len) + picture
+    }
+
+    fn shown(self, sources: &[Source], texts: &[Arc<str>]) -> SceneError {
+        let Self { message, mut help, label, place, shows, .. } = self;
         let Some(source) = sources.get(place.source) else { return SceneError::elsewhere(message, help) };
+        if let Some((file, there)) = sources.first().zip(shows) {
+            let shows = format!("it shows at {}:{}", file.name, file.line(there.start));
+            help = Some(help.map_or_else(|| shows.clone(), |help| format!("{help}; {shows}")));
+        }
         let line = (place.source == 0).then(|| source.line(place.start));
         let text = source.text.get(place.start..place.end).unwrap_or_default();
         let length = text.lines().next().unwrap_or_default().len(); // one line is enough to show
@@ -159,10 +214,34 @@ impl Fault {
             return error;
         }
         let label = LabeledSpan::new(Some(label.into()), place.start, length);
-        let source = NamedSource::new(&source.name, source.text.clone()).with_language("TOML");
+        let text = texts.get(place.source).cloned().unwrap_or_default();
+        let source = NamedSource::new(&source.name, text).with_language("TOML");
         let details = Details { message, help, source: Some(source), label: Some(label), line };
         SceneError { details: Box::new(details), more: Vec::new() }
     }
+}
+
+/// A text in which control characters are spelled out.
+fn plain(text: String) -> String {
+    if !text.contains(char::is_control) {
+        return text;
+    }
+    let spelled = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(spelled).collect()
+}
+
+/// The text of a source with nothing in it that a terminal would act on, every byte at its place.
+fn visible(text: &str) -> String {
+    let stand_in = |c: char| match (c, c.len_utf8()) {
+        ('\n' | '\t', _) => c,
+        (_, 1) if c.is_control() => '?',
+        (_, 2) if c.is_control() => '·',
+        // these turn the direction of what stands behind them
+        ('\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}', _) => '\u{fffd}',
+        _ => c,
+    };
+    let unix = text.replace("\r\n", " \n");
+    unix.chars().map(stand_in).collect()
 }
 
 /// A text that is too long to read without its middle.
@@ -177,9 +256,12 @@ fn clipped(text: String) -> String {
 
 /// "did you mean ...?", or all the words that there are.
 pub(super) fn suggestion<'a>(wrong: &str, words: impl IntoIterator<Item = &'a str>) -> String {
-    let words: Vec<_> = words.into_iter().collect();
+    let words: Vec<_> = words.into_iter().take(MOST_WORDS).collect();
+    // nobody mistypes so much, and the distance takes work and memory for every letter
+    let short = wrong.len() <= LONGEST_WORD;
     let nearest = words
         .iter()
+        .filter(|_| short)
         .map(|word| (strsim::damerau_levenshtein(wrong, word), word))
         .filter(|(distance, word)| *distance <= 1 + word.len() / 3)
         .min();

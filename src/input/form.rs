@@ -237,6 +237,11 @@ impl Range {
 }
 
 impl Counts {
+    /// Both ends in words, whatever they are.
+    pub fn limits(&self) -> String {
+        format!("{} to {}", self.least, self.most)
+    }
+
     /// The range in words.
     pub fn words(&self) -> String {
         match self.most {

@@ -2,8 +2,9 @@
 use super::build::material_index;
 use super::choose;
 use super::document::{Node, dotted};
-use super::error::{Fault, Outcome, all, suggestion};
+use super::error::{Fault, Outcome, all};
 use super::moved::SIDES;
+use super::references;
 use super::shapes::solid;
 use physics::contact::{self, ContactLaw};
 use physics::table::Table;
@@ -131,12 +132,7 @@ fn region(given: &Node, material: usize, materials: &[Material], bodies: &Node) 
             .help("keep one: the region of a body is what lies in both, an `intersection` of shapes")),
         (None, Some(body)) => {
             let name = body.word();
-            let of = |node: &Node| node.get("name").word().to_owned();
-            let Some(index) = bodies.items().iter().position(|node| of(node) == name) else {
-                let names: Vec<String> = bodies.items().iter().map(of).collect();
-                return Err(Fault::new(body.place, format!("there is no body {name:?}"))
-                    .help(suggestion(name, names.iter().map(String::as_str))));
-            };
+            let index = references::body(body, bodies.items().iter().map(|node| node.get("name").word()))?;
             let made_of = bodies.items()[index].get("material").word();
             if made_of != materials[material].name {
                 let message =

@@ -1,4 +1,5 @@
 //! Scene files: TOML as written, read into a validated [`Scene`](scene::Scene) in SI units.
+mod blame;
 mod build;
 mod check;
 mod choose;
@@ -12,6 +13,7 @@ mod meetings;
 mod meshes;
 mod moved;
 mod read;
+mod references;
 mod rigid;
 mod shapes;
 mod source;

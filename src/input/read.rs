@@ -4,7 +4,7 @@ use super::error::{Outcome, SceneError, all};
 use super::fields::SCENE;
 use super::form::Form;
 use super::source::Source;
-use super::{build, check, meshes, validate};
+use super::{blame, build, check, meshes, references, validate};
 use scene::Scene;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -115,22 +115,29 @@ fn read_from(
 ) -> Result<Scene, SceneError> {
     let mut sources = vec![Source::new(file, text)];
     sources.extend(overrides.iter().map(|(key, value)| Source::new("--set", format!("{key}={value}"))));
-    let scene = || -> Outcome<Scene> {
+    // a scene in its parts, with all overrides but one
+    let parts = |left_out: Option<usize>| -> Outcome<(Scene, Node)> {
         let mut root = parse(&sources[0])?;
-        let set = |(index, (key, value)): (usize, &(String, String))| {
-            document::set(&mut root, key.trim(), value.trim(), index + 1)
-        };
-        all(overrides.iter().enumerate().map(set))?;
-        let mut root = check::complete(&root, &Form::Table(SCENE), "")?;
+        let used = overrides.iter().enumerate().filter(|(index, _)| Some(*index) != left_out);
+        all(used.map(|(index, (key, value))| document::set(&mut root, key.trim(), value.trim(), index + 1)))?;
+        let completed = check::complete(&root, &Form::Table(SCENE), "");
+        let mut root = completed.map_err(|fault| fault.and(references::check(&root)))?;
         meshes::locate(&mut root, folder)?;
-        let mut scene = build::scene(&root)?;
-        validate::scene(&scene, &root, memory)?;
-        scene.name = file.to_owned();
-        scene.lines = root.lines(&sources[0]);
-        scene.resolved = resolved(&root);
-        Ok(scene)
+        Ok((build::scene(&root)?, root))
     };
-    scene().map_err(|fault| fault.in_sources(&sources))
+    let whole = |(scene, root): &(Scene, Node)| validate::scene(scene, root, memory);
+    let read = || -> Outcome<(Scene, Node)> {
+        let found =
+            parts(None).map_err(|fault| blame::overrides(fault, overrides, |it| parts(Some(it)).err()))?;
+        let without = |it| parts(Some(it)).and_then(|found| whole(&found)).err();
+        whole(&found).map_err(|fault| blame::overrides(fault, overrides, without))?;
+        Ok(found)
+    };
+    let (mut scene, root) = read().map_err(|fault| fault.in_sources(&sources))?;
+    scene.name = file.to_owned();
+    scene.lines = root.lines(&sources[0]);
+    scene.resolved = resolved(&root);
+    Ok(scene)
 }
 
 /// The completed document as TOML.

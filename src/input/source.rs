@@ -32,7 +32,7 @@ impl Source {
 }
 
 /// A range of bytes in a source.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Place {
     pub source: usize,
     pub start: usize,

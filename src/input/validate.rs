@@ -68,7 +68,9 @@ fn bodies(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
     let rigid = both(rigid, rigid::meets_what_is_held(scene, root));
     both(each, rigid)?;
     let meets = |(i, body): (usize, &Body)| {
-        let mut others = scene.bodies[..i].iter();
+        // tools may be in one another; and their lattices may be as large as the domain
+        let filled = |body: &Body| scene.materials[body.material].has_particles();
+        let mut others = scene.bodies[..i].iter().filter(|other| filled(body) || filled(other));
         others.try_for_each(|other| apart(&scene.domain, other, body, &given.items()[i]))
     };
     all(scene.bodies.iter().enumerate().map(meets)).map(drop)

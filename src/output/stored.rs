@@ -62,8 +62,12 @@ pub fn table<T: H5Type>(group: &Group, name: &str, rows: usize, width: usize) ->
 }
 
 /// Refuses a dataset that says that it is larger than its bytes can be.
-fn refuse_bomb(dataset: &Dataset, name: &str) -> hdf5::Result<()> {
-    let bytes = (dataset.size() as u64).checked_mul(dataset.dtype()?.size() as u64);
+///
+/// # Errors
+/// If it is, or cannot be read.
+pub fn refuse_bomb(dataset: &Dataset, name: &str) -> hdf5::Result<()> {
+    let size = dataset.dtype()?.size() as u64;
+    let bytes = dataset.shape().iter().try_fold(size, |bytes, &count| bytes.checked_mul(count as u64));
     let most = dataset.file()?.size().saturating_mul(LARGEST_RATIO);
     if bytes.is_some_and(|bytes| bytes <= most) {
         return Ok(());

@@ -2,6 +2,7 @@
 mod command;
 #[path = "../common/mod.rs"]
 mod common;
+mod crafted;
 mod ranks;
 
 use common::command::{ok, sinew, text, words};

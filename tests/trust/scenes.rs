@@ -169,7 +169,7 @@ fn numbers_at_the_ends_of_their_range_are_told_or_run() {
         command.args(["--set", "output.frames=0", "--set", key, "--out"]).arg(&out);
         let output = ok(command.output());
         let said = words(&output);
-        println!("{problem} {key}: {:?} {}", output.status.code(), &said[..said.len().min(160)]);
+        println!("{problem} {key}: {:?} {}", output.status.code(), &said[..said.floor_char_boundary(160)]);
         assert!(matches!(output.status.code(), Some(0..=2)) && !said.contains("panicked"), "{key}: {said}");
     }
     assert!(read(Path::new("/no/such/scene"), &[]).is_err());

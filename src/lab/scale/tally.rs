@@ -90,8 +90,9 @@ pub fn read(path: &Path, first: u64) -> Result<Tally> {
 
 fn add(tally: &mut Tally, line: &Line) {
     let (rank, ns, args) = (&mut tally.ranks[line.rank], line.duration(), &line.about);
-    rank.messages += args.messages;
-    rank.bytes += args.bytes;
+    // a file may say anything
+    rank.messages = rank.messages.saturating_add(args.messages);
+    rank.bytes = rank.bytes.saturating_add(args.bytes);
     match line.kind() {
         Some(Kind::Task) => {
             rank.tasks[1] += ns;
@@ -102,7 +103,7 @@ fn add(tally: &mut Tally, line: &Line) {
         }
         Some(Kind::HaloWait) if args.bytes > 0 => {
             rank.pack += ns;
-            rank.packed += args.bytes;
+            rank.packed = rank.packed.saturating_add(args.bytes);
         }
         Some(Kind::HaloWait) => rank.halo += ns,
         Some(Kind::ReduceWait) => rank.reduce += ns,

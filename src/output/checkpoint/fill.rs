@@ -11,7 +11,7 @@ use engine::data::warehouse::Warehouse;
 use engine::schema::LabelId;
 use grid::BlockIndex;
 use simd::{LANES, Wide};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 
 /// Rows that are read at once, about.
@@ -85,7 +85,10 @@ fn fits(
         return Err(from.wrong(format!("{} has other labels than here", stored.name)));
     }
     let rows = table.iter().map(|block| block.count as usize).sum::<usize>();
-    if rows != stored.rows || table.iter().any(|b| warehouse.decomposition.owner(b.index).is_none()) {
+    let outside = table.iter().any(|b| warehouse.decomposition.owner(b.index).is_none());
+    let mut known = HashSet::new();
+    let once = table.len() == stored.blocks && table.iter().all(|block| known.insert(block.index));
+    if rows != stored.rows || outside || !once {
         return Err(from.wrong(format!("its blocks of {} do not fit", stored.name)));
     }
     Ok(())
@@ -107,6 +110,9 @@ fn fill_nodes(warehouse: &mut Warehouse, from: &Reader) -> output::Result<()> {
         let number = warehouse.materials.len() + field;
         let (stored, table) = (&from.head.nodes[field], from.blocks(number)?);
         fits(warehouse, from, (stored, &table), names())?;
+        if table.iter().any(|block| block.count as usize != warehouse.node_layout.nodes) {
+            return Err(from.wrong(format!("its blocks of {} do not fit", stored.name)));
+        }
         for window in windows(warehouse, &table) {
             let columns = from.columns(number, &window.rows)?;
             for (position, row) in window.blocks {

@@ -64,9 +64,9 @@ impl Reader {
     pub fn blocks(&self, table: usize) -> Result<Vec<BlockRow>> {
         let read = || -> hdf5::Result<Vec<BlockRow>> {
             let group = self.table(table)?.1;
-            let indices: Vec<i32> = all(&group.dataset(name::BLOCK_INDEX)?)?;
-            let counts: Vec<u32> = all(&group.dataset(name::BLOCK_COUNT)?)?;
-            let extents: Vec<f64> = all(&group.dataset(name::BLOCK_EXTENT)?)?;
+            let indices: Vec<i32> = all(&group, name::BLOCK_INDEX)?;
+            let counts: Vec<u32> = all(&group, name::BLOCK_COUNT)?;
+            let extents: Vec<f64> = all(&group, name::BLOCK_EXTENT)?;
             let rows = indices.as_chunks().0.iter().zip(counts).zip(extents.as_chunks().0);
             Ok(rows.map(|((&index, count), &extent)| BlockRow { index, count, extent }).collect())
         };
@@ -81,7 +81,8 @@ impl Reader {
         let read = || -> hdf5::Result<Vec<Vec<f64>>> {
             let (head, group) = self.table(table)?;
             let group = group.group(name::PARTICLES)?;
-            let column = |(label, _): &(String, usize)| column(&group.dataset(label)?, label, range.clone());
+            let column =
+                |(label, _): &(String, usize)| column(&dataset(&group, label)?, label, range.clone());
             head.labels.iter().map(column).collect()
         };
         read().map_err(error::hdf5("read", &self.path))
@@ -106,7 +107,7 @@ fn column(dataset: &Dataset, label: &str, range: Range<usize>) -> hdf5::Result<V
 
 fn head(file: &File) -> hdf5::Result<Head> {
     let shared = file.group(name::SHARED)?;
-    let words = |label: String| Ok((label.clone(), shared.dataset(&label)?.read_raw::<u64>()?));
+    let words = |label: String| Ok((label.clone(), all::<u64>(&shared, &label)?));
     let tables = |name: &str| -> hdf5::Result<Vec<Table>> {
         let group = file.group(name)?;
         (0..group.len() as usize).map(|index| table(&group.group(&index.to_string())?)).collect()
@@ -128,7 +129,7 @@ fn head(file: &File) -> hdf5::Result<Head> {
             output_s: number(file, name::OUTPUT)?,
         },
         shared: shared.member_names()?.into_iter().map(words).collect::<hdf5::Result<_>>()?,
-        ledger: file.dataset(name::LEDGER)?.read_raw()?,
+        ledger: all(file, name::LEDGER)?,
         materials: tables(name::MATERIALS)?,
         nodes: tables(name::NODES)?,
     })
@@ -151,7 +152,15 @@ fn table(group: &Group) -> hdf5::Result<Table> {
     Ok(Table { name: text(group, name::MATERIAL_NAME)?, labels, blocks, rows })
 }
 
-fn all<T: H5Type>(dataset: &Dataset) -> hdf5::Result<Vec<T>> {
+/// A dataset that is not larger than the file.
+fn dataset(group: &Group, name: &str) -> hdf5::Result<Dataset> {
+    let dataset = group.dataset(name)?;
+    stored::refuse_bomb(&dataset, name)?;
+    Ok(dataset)
+}
+
+fn all<T: H5Type>(group: &Group, name: &str) -> hdf5::Result<Vec<T>> {
+    let dataset = dataset(group, name)?;
     if dataset.size() == 0 { Ok(Vec::new()) } else { dataset.read_raw() }
 }
 

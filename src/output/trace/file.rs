@@ -6,6 +6,9 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+/// Ranks and workers have numbers below this: with one above, a list of them would fill the memory.
+const MOST: usize = 1 << 20;
+
 /// What a trace file holds.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -77,10 +80,18 @@ impl Trace {
     /// A file that cannot be read, or is no trace of a run.
     pub fn load(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(io("open", path))?;
-        serde_json::from_reader(BufReader::new(file)).map_err(|error| Error::Content {
+        let wrong = |why: String| Error::Content {
             path: path.into(),
-            problem: format!("not a trace that sinew run --trace wrote: {error}"),
-        })
+            problem: format!("not a trace that sinew run --trace wrote: {why}"),
+        };
+        let trace: Self =
+            serde_json::from_reader(BufReader::new(file)).map_err(|error| wrong(error.to_string()))?;
+        match trace.lines.iter().find(|line| line.rank.max(line.worker) >= MOST) {
+            Some(Line { rank, worker, .. }) => {
+                Err(wrong(format!("it has an event of worker {worker} of rank {rank}")))
+            }
+            None => Ok(trace),
+        }
     }
 
     /// Events that the recorder had no room for.

@@ -17,9 +17,10 @@ impl Sum {
     /// Adds another sum.
     pub fn add(&mut self, more: &Sum) {
         self.ns += more.ns;
-        self.events += more.events;
-        self.messages += more.messages;
-        self.bytes += more.bytes;
+        // a file may say anything
+        self.events = self.events.saturating_add(more.events);
+        self.messages = self.messages.saturating_add(more.messages);
+        self.bytes = self.bytes.saturating_add(more.bytes);
     }
 }
 
