@@ -157,7 +157,7 @@ fn numbers(dataset: &Dataset, data: &mut Unstructured<'_>) -> Result<()> {
     let some: Vec<(usize, u64)> = (0..data.int_in_range(1..=4)?)
         .map(|_| Ok((data.int_in_range(0..=size - 1)?, data.arbitrary()?)))
         .collect::<Result<_>>()?;
-    changed::<f64>(dataset, &some, f64::from_bits)
+    let _ = changed::<f64>(dataset, &some, f64::from_bits)
         || changed::<i32>(dataset, &some, |bits| bits as i32)
         || changed::<u32>(dataset, &some, |bits| bits as u32)
         || changed::<u64>(dataset, &some, |bits| bits);

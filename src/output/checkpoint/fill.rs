@@ -65,6 +65,10 @@ pub fn fill(warehouse: &mut Warehouse, from: &Reader) -> output::Result<()> {
             for (position, row) in window.blocks {
                 let stored = (&table[position], row - window.rows.start);
                 let block = block(warehouse, &layout, stored, &columns);
+                if !is_home(warehouse, material, &block) {
+                    let index = table[position].index;
+                    return Err(from.wrong(format!("block {index:?} has particles that are not near it")));
+                }
                 let outside = |_| from.wrong(format!("block {:?} is outside", table[position].index));
                 warehouse.adopt(material, block).map_err(outside)?;
             }
@@ -175,6 +179,23 @@ fn block(
     }
     block.extent = extent::from_largest(stored.extent);
     block
+}
+
+/// Whether all particles of a block are in its reach, and within its extent: tasks rely on both.
+fn is_home(warehouse: &Warehouse, material: usize, block: &ParticleBlock) -> bool {
+    let (level, data) = (&warehouse.level, &warehouse.materials[material]);
+    let (position, largest) = (warehouse.schema.roles.position, extent::largest(&block.extent));
+    let axes = (0..3).filter(|&axis| !level.shape().is_collapsed(axis));
+    (0..block.count).all(|particle| {
+        let x = std::array::from_fn(|axis| block.get(&data.layout, position, particle, axis));
+        let y = level.base(x, data.half_size);
+        level.contains(x)
+            && axes.clone().all(|axis| {
+                let mut within = [y[axis], -y[axis]].into_iter().zip([axis, axis + 3]);
+                !extent::out_of_reach(level, block.index, axis, y[axis])
+                    && within.all(|(y, bound)| y <= largest[bound] + 2.0 * extent::MARGIN)
+            })
+    })
 }
 
 fn fill_shared(warehouse: &mut Warehouse, from: &Reader) -> output::Result<()> {

@@ -9,6 +9,9 @@ use hdf5::{Dataset, File, Group, H5Type};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+/// Counts are below this: with more, a run that goes on would come to the end of 64 bits.
+const MOST: u64 = 1 << 60;
+
 /// An open checkpoint.
 #[derive(Debug)]
 pub struct Reader {
@@ -44,6 +47,9 @@ impl Reader {
             )));
         }
         let head = head(&file).map_err(error::hdf5("read", path))?;
+        if let Some(name) = implausible(&head) {
+            return Err(content(format!("`{name}` in it is a number that no run has")));
+        }
         Ok(Self { path: path.into(), file, head })
     }
 
@@ -133,6 +139,16 @@ fn head(file: &File) -> hdf5::Result<Head> {
         materials: tables(name::MATERIALS)?,
         nodes: tables(name::NODES)?,
     })
+}
+
+/// The name of a number that no run has.
+fn implausible(head: &Head) -> Option<&'static str> {
+    let Head { time, steps, updates, recorded: Recorded { frames, due, wall_s, output_s, .. }, .. } = *head;
+    let counts = [(name::STEPS, steps), (name::UPDATES, updates), (name::FRAMES, frames), (name::DUE, due)];
+    let times = [(name::TIME, time), (name::WALL, wall_s), (name::OUTPUT, output_s)];
+    let endless = counts.into_iter().filter(|(_, count)| *count >= MOST).map(|(name, _)| name);
+    let odd = times.into_iter().filter(|(_, time)| !(time.is_finite() && *time >= 0.0)).map(|(name, _)| name);
+    endless.chain(odd).next()
 }
 
 fn table(group: &Group) -> hdf5::Result<Table> {
