@@ -64,7 +64,7 @@ fn change(file: &File, parts: &[String], data: &mut Unstructured<'_>) -> Result<
         }
         return Ok(());
     }
-    match data.int_in_range(0..=6)? {
+    match data.int_in_range(0..=9)? {
         0 => drop(file.unlink(part)),
         1 => {
             let other = data.choose(parts)?;
@@ -148,29 +148,54 @@ fn made<T: H5Type + Copy>(file: &File, part: &str, (rows, columns): (usize, usiz
     }
 }
 
+/// What becomes of a number.
+#[derive(Clone, Copy)]
+enum New {
+    Bits(u64),
+    Small(i8),
+    /// That of another place.
+    Of(usize),
+}
+
 /// Changes some numbers of a dataset.
 fn numbers(dataset: &Dataset, data: &mut Unstructured<'_>) -> Result<()> {
     let size = dataset.size();
     if size == 0 || size > 1 << 20 {
         return Ok(());
     }
-    let some: Vec<(usize, u64)> = (0..data.int_in_range(1..=4)?)
-        .map(|_| Ok((data.int_in_range(0..=size - 1)?, data.arbitrary()?)))
-        .collect::<Result<_>>()?;
-    let _ = changed::<f64>(dataset, &some, f64::from_bits)
-        || changed::<i32>(dataset, &some, |bits| bits as i32)
-        || changed::<u32>(dataset, &some, |bits| bits as u32)
-        || changed::<u64>(dataset, &some, |bits| bits);
+    let mut some = Vec::new();
+    for _ in 0..data.int_in_range(1..=4)? {
+        let at = data.int_in_range(0..=size - 1)?;
+        let new = match data.int_in_range(0..=2)? {
+            0 => New::Bits(data.arbitrary()?),
+            1 => New::Small(data.arbitrary()?),
+            _ => New::Of(data.int_in_range(0..=size - 1)?),
+        };
+        some.push((at, new));
+    }
+    let _ = changed::<f64>(dataset, &some, f64::from_bits, f64::from)
+        || changed::<i32>(dataset, &some, |bits| bits as i32, i32::from)
+        || changed::<u32>(dataset, &some, |bits| bits as u32, |small| small as u32)
+        || changed::<u64>(dataset, &some, |bits| bits, |small| small as u64);
     Ok(())
 }
 
-fn changed<T: H5Type + Copy>(dataset: &Dataset, some: &[(usize, u64)], of: impl Fn(u64) -> T) -> bool {
+fn changed<T: H5Type + Copy>(
+    dataset: &Dataset,
+    some: &[(usize, New)],
+    of_bits: impl Fn(u64) -> T,
+    of_small: impl Fn(i8) -> T,
+) -> bool {
     if !dataset.dtype().is_ok_and(|found| found == hdf5::Datatype::from_type::<T>().expect("a type")) {
         return false;
     }
     if let Ok(mut values) = dataset.read_raw::<T>() {
-        for (at, bits) in some {
-            values[*at] = of(*bits);
+        for &(at, new) in some {
+            values[at] = match new {
+                New::Bits(bits) => of_bits(bits),
+                New::Small(small) => of_small(small),
+                New::Of(other) => values[other],
+            };
         }
         let _ = dataset.write_raw(&values);
     }
