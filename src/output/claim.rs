@@ -10,7 +10,8 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-const NAME: &str = "run.lock";
+/// The file that says who writes in a folder.
+pub const LOCK: &str = "run.lock";
 /// How often, and how long at most, one waits for others that look at the lock in this moment.
 const LOOK: Duration = Duration::from_millis(5);
 const LOOKS: usize = 400;
@@ -54,7 +55,7 @@ impl Claim {
     pub fn take(folder: &Path) -> Result<Self> {
         // of several that find a dead one's lock, one removes it
         let _turn = turn(folder);
-        let path = folder.join(NAME);
+        let path = folder.join(LOCK);
         let me = Holder::here();
         let text = serde_json::to_string_pretty(&me).unwrap_or_default() + "\n";
         if fs::metadata(&path).is_ok_and(|found| !found.is_file()) {
@@ -82,14 +83,15 @@ impl Claim {
 }
 
 impl Claim {
-    /// Looks whether the folder is still this process's. A lock that somebody has removed is put back, if nobody has taken the
-    /// folder since.
+    /// Looks whether the folder is still this process's. A lock that somebody has removed is put back, if the folder is
+    /// `untouched`: another run may have come and gone since.
     ///
     /// # Errors
-    /// If another process has it now.
-    pub fn hold(&self) -> Result<()> {
+    /// If another process has it now, or has had it.
+    pub fn hold(&self, untouched: impl FnOnce() -> bool) -> Result<()> {
         let me = Holder::here();
         let found = match fs::read_to_string(&self.path) {
+            Err(error) if error.kind() == ErrorKind::NotFound && !untouched() => Err(error),
             Err(error) if error.kind() == ErrorKind::NotFound => match place(&self.path, &self.text, &me)? {
                 true => return Ok(()),
                 false => fs::read_to_string(&self.path),
@@ -118,7 +120,11 @@ impl Drop for Claim {
 /// Puts a lock there at once with all that it says; false: another one was first.
 fn place(path: &Path, text: &str, me: &Holder) -> Result<bool> {
     let aside = path.with_added_extension(format!("{}-{}", me.pid, me.started.unwrap_or(0)));
-    create(&aside)?.write_all(text.as_bytes()).map_err(io("write", &aside))?;
+    let written = create(&aside)?.write_all(text.as_bytes()).map_err(io("write", &aside));
+    if written.is_err() {
+        super::create::remove(&aside)?;
+    }
+    written?;
     let linked = fs::hard_link(&aside, path);
     super::create::remove(&aside)?;
     match linked {
@@ -192,11 +198,11 @@ fn started(pid: u32) -> Option<u64> {
 
 fn lost(path: &Path, holder: Option<Holder>) -> Error {
     let who = holder.map_or_else(
-        || "somebody else".into(),
-        |it| format!("process {} on {} ({})", it.pid, plain(&it.host), plain(&it.command)),
+        || "another run has had the folder since, or it was moved away".into(),
+        |it| format!("process {} on {} ({}) has the folder now", it.pid, plain(&it.host), plain(&it.command)),
     );
     let problem = format!(
-        "it was removed, and {who} has the folder now: this run writes nothing more there. What it had written until then may be \
+        "it was removed, and {who}: this run writes nothing more there. What it had written until then may be \
          gone; run it again, with another --out"
     );
     Error::Content { path: path.into(), problem }
@@ -243,7 +249,7 @@ mod tests {
 
     fn leave(folder: &Path, holder: &Holder) {
         let text = serde_json::to_string(holder).expect("a lock");
-        fs::write(folder.join(NAME), text).expect("a lock is written");
+        fs::write(folder.join(LOCK), text).expect("a lock is written");
     }
 
     #[test]
@@ -287,7 +293,7 @@ mod tests {
             }
         }
         let folder = folder();
-        fs::write(folder.path().join(NAME), "half a l").expect("it is written");
+        fs::write(folder.path().join(LOCK), "half a l").expect("it is written");
         let refused = Claim::take(folder.path()).expect_err("nobody knows").to_string();
         assert!(refused.contains("remove it"), "{refused}");
     }
@@ -311,19 +317,21 @@ mod tests {
         let folder = folder();
         let claim = Claim::take(folder.path()).expect("it is free");
         leave(folder.path(), &Holder { host: "elsewhere".into(), ..Holder::here() });
-        let lost = claim.hold().expect_err("another has it").to_string();
+        let lost = claim.hold(|| true).expect_err("another has it").to_string();
         assert!(lost.contains("on elsewhere") && lost.contains("--out"), "{lost}");
         drop(claim);
-        assert!(folder.path().join(NAME).exists());
+        assert!(folder.path().join(LOCK).exists());
     }
 
     #[test]
     fn a_lock_that_was_removed_is_put_back() {
         let folder = folder();
         let claim = Claim::take(folder.path()).expect("it is free");
-        claim.hold().expect("nobody took it");
-        fs::remove_file(folder.path().join(NAME)).expect("it is there");
-        claim.hold().expect("nobody took it");
+        claim.hold(|| false).expect("nobody took it");
+        fs::remove_file(folder.path().join(LOCK)).expect("it is there");
+        let lost = claim.hold(|| false).expect_err("another has come and gone").to_string();
+        assert!(lost.contains("has had the folder since"), "{lost}");
+        claim.hold(|| true).expect("nobody took it");
         Claim::take(folder.path()).expect_err("it is there again");
     }
 }

@@ -34,7 +34,7 @@ impl Draft {
     /// # Errors
     /// If the disk is full or the folder cannot be written.
     pub fn create(path: &Path, bytes: usize) -> Result<Self> {
-        let aside = Aside(path.with_added_extension(EXTENSION));
+        let aside = Aside(aside(path));
         create(&aside.0)?;
         space::reserve(&aside.0, bytes)?;
         let file = stored::create(&aside.0)?;
@@ -87,6 +87,11 @@ impl Draft {
         std::fs::rename(&aside.0, &path).map_err(error::io("rename", &aside.0))?;
         Ok(digest)
     }
+}
+
+/// Where the draft of a file lies.
+pub fn aside(path: &Path) -> PathBuf {
+    path.with_added_extension(EXTENSION)
 }
 
 /// The file that this would have become, if a draft has such a name.

@@ -5,6 +5,7 @@ use super::plain;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use twox_hash::XxHash3_128;
 
 /// What a column holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -135,12 +136,30 @@ pub(super) fn entries(text: &str) -> Vec<Vec<String>> {
     rows
 }
 
+struct Digest(XxHash3_128);
+
+impl Digest {
+    fn value(&self) -> u64 {
+        self.0.finish_128() as u64
+    }
+}
+
+impl std::fmt::Debug for Digest {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{:016x}", self.value())
+    }
+}
+
 /// Writes `history.csv` row by row; each row is on the disk when [`History::row`] returns.
 #[derive(Debug)]
 pub struct History {
     path: PathBuf,
     file: BufWriter<File>,
     columns: usize,
+    /// Of all that is written.
+    digest: Digest,
+    /// Its value before the last row, and after it.
+    digests: [u64; 2],
 }
 
 impl History {
@@ -150,7 +169,7 @@ impl History {
     /// If the file cannot be written.
     pub fn create(path: &Path, columns: &[Column]) -> Result<Self> {
         let file = create(path)?;
-        let mut history = Self { path: path.into(), file: BufWriter::new(file), columns: columns.len() };
+        let mut history = Self::on(path, file, columns.len(), "");
         history.line(columns.iter().map(|column| quoted(&column.header())))?;
         Ok(history)
     }
@@ -169,9 +188,27 @@ impl History {
             first.and_then(|t| t.parse().ok()).is_some_and(|t: f64| t <= time)
         };
         let rows = old.split_inclusive('\n').skip(1).filter(early);
-        write_whole(path, format!("{header}\n{}", rows.collect::<String>()).as_bytes())?;
+        let text = format!("{header}\n{}", rows.collect::<String>());
+        write_whole(path, text.as_bytes())?;
         let file = File::options().append(true).open(path).map_err(io("open", path))?;
-        Ok(Self { path: path.into(), file: BufWriter::new(file), columns: columns.len() })
+        Ok(Self::on(path, file, columns.len(), &text))
+    }
+
+    fn on(path: &Path, file: File, columns: usize, text: &str) -> Self {
+        let mut digest = Digest(XxHash3_128::new());
+        digest.0.write(text.as_bytes());
+        let digests = [digest.value(); 2];
+        Self { path: path.into(), file: BufWriter::new(file), columns, digest, digests }
+    }
+
+    /// Digests of what it holds but for the last row, and of all.
+    pub fn digests(&self) -> [u64; 2] {
+        self.digests
+    }
+
+    /// Whether what has its name is still this file.
+    pub fn is_in_place(&self) -> bool {
+        is_same(self.file.get_ref(), &self.path)
     }
 
     /// Waits until the disk has all rows.
@@ -193,6 +230,22 @@ impl History {
 
     fn line(&mut self, cells: impl Iterator<Item = String>) -> Result<()> {
         let line = cells.collect::<Vec<_>>().join(",");
-        writeln!(self.file, "{line}").and_then(|()| self.file.flush()).map_err(io("write", &self.path))
+        writeln!(self.file, "{line}").and_then(|()| self.file.flush()).map_err(io("write", &self.path))?;
+        self.digest.0.write(line.as_bytes());
+        self.digest.0.write(b"\n");
+        self.digests = [self.digests[1], self.digest.value()];
+        Ok(())
     }
+}
+
+#[cfg(unix)]
+fn is_same(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let number = |found: std::fs::Metadata| (found.dev(), found.ino());
+    file.metadata().ok().map(number) == std::fs::metadata(path).ok().map(number)
+}
+
+#[cfg(not(unix))]
+fn is_same(_: &File, path: &Path) -> bool {
+    path.is_file()
 }

@@ -3,7 +3,7 @@ pub mod checkpoint;
 pub mod claim;
 pub mod compare;
 pub mod create;
-mod draft;
+pub mod draft;
 pub(crate) mod error;
 pub mod frame;
 pub mod history;

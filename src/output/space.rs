@@ -36,3 +36,14 @@ pub fn trim(path: &Path, length: u64) -> Result<()> {
     let file = OpenOptions::new().write(true).open(path).map_err(io("open", path))?;
     file.set_len(length).map_err(io("trim", path))
 }
+
+/// Whether a file of so many bytes can be made at `path`, where there is none that matters.
+///
+/// # Errors
+/// If the disk is full, or the folder cannot be written.
+pub fn probe(path: &Path, bytes: usize) -> Result<()> {
+    super::create::create(path)?;
+    let room = reserve(path, bytes);
+    super::create::remove(path)?;
+    room
+}

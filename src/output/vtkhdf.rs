@@ -15,6 +15,7 @@ pub use found::Found;
 pub use reader::Reader;
 pub use writer::{Writer, refuse_link, remove_frames};
 
+use crate::output::run_id::RunId;
 use std::path::{Path, PathBuf};
 
 /// Rows of a chunk. Pieces of a frame that end at a multiple of it are compressed once.
@@ -41,6 +42,14 @@ mod name {
     pub const TIME: &str = "time";
     pub const STEP: &str = "step";
     pub const PARTICLES: &str = "particles";
+}
+
+/// The name of the index.
+pub const INDEX: &str = "particles.vtkhdf";
+
+/// Whose an index is, if that can be read.
+pub fn run_of(index: &Path) -> Option<RunId> {
+    index::read(index).ok().map(|index| index.run)
 }
 
 /// A frame, as the index knows it.
@@ -74,6 +83,17 @@ fn relative(file: &str) -> String {
 /// The name of a frame's file.
 fn file_name(number: u64) -> String {
     format!("{number:06}.h5")
+}
+
+/// The number of a frame, from the name of its file.
+fn number(file: &Path) -> Option<u64> {
+    file.file_name()?.to_str()?.strip_suffix(".h5")?.parse().ok()
+}
+
+/// What is in the folder of the frames under the name of one, with its number.
+fn numbered(index: &Path) -> Vec<(u64, PathBuf)> {
+    let entries = std::fs::read_dir(folder(index)).into_iter().flatten().flatten();
+    entries.filter_map(|entry| Some((number(&entry.path())?, entry.path()))).collect()
 }
 
 /// The file of a frame.

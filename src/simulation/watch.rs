@@ -28,15 +28,16 @@ pub struct Watch {
 }
 
 impl Watch {
+    /// Of a run that goes on, and has said this.
+    pub fn after(said: &[Said]) -> Self {
+        Self { said: said.iter().map(|(key, _)| key.clone()).collect(), ..Self::default() }
+    }
+
     /// What there is to say at a row of the history, and was not said before: the same on all ranks, which all call it.
     ///
     /// # Errors
     /// If a rank is gone.
-    pub fn look(
-        &mut self,
-        simulation: &mut Simulation,
-        report: &Report,
-    ) -> Result<Vec<String>, NetworkError> {
+    pub fn look(&mut self, simulation: &mut Simulation, report: &Report) -> Result<Vec<Said>, NetworkError> {
         let mut found = Vec::new();
         if !std::mem::replace(&mut self.begun, true) {
             self.strangers = strangers(&simulation.scene);
@@ -47,8 +48,8 @@ impl Watch {
         found.extend(too_fast(simulation, report));
         found.extend(unstable(report, &simulation.scene));
         found.extend(self.meetings(simulation, report)?);
-        let news = found.into_iter().filter(|(key, _)| self.said.insert(key.clone()));
-        Ok(news.map(|(_, text)| text).collect())
+        found.retain(|(key, _)| self.said.insert(key.clone()));
+        Ok(found)
     }
 
     /// Materials that pass through one another.
@@ -79,7 +80,7 @@ impl Watch {
 }
 
 /// What is said once, by its key.
-type Said = (String, String);
+pub type Said = (String, String);
 
 fn unexplained(report: &Report) -> Option<Said> {
     let part = report.residual / report.turnover;
@@ -144,10 +145,13 @@ fn thin(scene: &Scene) -> Vec<Said> {
     let one = |body: &Body| {
         let (lower, upper) = body.solid.bounds();
         let (first, last) = scene::sampling::inside(&scene.domain);
-        // what reaches a face goes on there, as far as that holds it
-        let open = |a: usize| lower[a] > first[a] && upper[a] < last[a];
-        let across = |a: usize| (upper[a] - lower[a]) / scene.domain.cell;
-        let a = (0..3).find(|&a| open(a) && across(a) < THIN - 1e-6)?;
+        // what reaches a face goes on there: as far again, or, between two of them, without end
+        let reaches = |a: usize| usize::from(lower[a] <= first[a]) + usize::from(upper[a] >= last[a]);
+        let across = |a: usize| {
+            let images = [1.0, 2.0, f64::INFINITY][reaches(a)];
+            images * (upper[a] - lower[a]) / scene.domain.cell
+        };
+        let a = (0..3).find(|&a| across(a) < THIN - 1e-6)?;
         let (name, axis, cells) = (&body.name, ["x", "y", "z"][a], across(a));
         let text = format!(
             "body {name:?} is {cells:.2} cells thick along {axis}: below {THIN} cells its stiffness is that of the grid. Use smaller cells"

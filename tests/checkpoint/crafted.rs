@@ -83,7 +83,7 @@ fn no_number_of_a_checkpoint_makes_a_restart_panic() {
     datasets(&file, "", &mut names);
     drop(file);
     let bits = [f64::NAN, f64::INFINITY, -1e300, 0.0].map(f64::to_bits);
-    for name in names.iter().filter(|name| *name != "scene") {
+    for name in names.iter().filter(|name| !["scene", "warnings"].contains(&name.as_str())) {
         for bits in bits.into_iter().chain([u64::MAX, 1 << 31]) {
             for all in [true, false] {
                 let result = restored_from(&bytes, |file| overwrite(file, name, bits, all));

@@ -77,11 +77,21 @@ fn what_another_run_wrote_is_not_taken_for_a_frame_of_this_one() {
     write(&path, &[7, 6, 5]);
     let old = std::fs::read(frame_file(&path, 1)).unwrap();
     let mut writer = Writer::create(&path, run()).unwrap();
-    (0..3).for_each(|k| writer.append(&snapshot(10 + k, 4)).unwrap());
+    (0..3).for_each(|k| writer.append(&snapshot(10 * k, 4)).unwrap());
     std::fs::write(frame_file(&path, 1), old).unwrap();
     let (_, warnings) = resume(&path, 3).unwrap();
     assert!(warnings.len() == 1 && warnings[0].contains("is of this run"), "{warnings:?}");
-    assert_eq!(names(&Reader::open(&path).unwrap()), [10, 1, 12]);
+    assert_eq!(names(&Reader::open(&path).unwrap()), [0, 1, 20]);
+    // one that is not later than the frame before it
+    std::fs::copy(frame_file(&path, 0), frame_file(&path, 2)).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let (_, warnings) = resume(&path, 3).unwrap();
+    assert!(warnings.len() == 2 && warnings[1].contains("not later"), "{warnings:?}");
+    // and one that is nowhere
+    std::fs::remove_file(&path).unwrap();
+    std::fs::remove_file(frame_file(&path, 1)).unwrap();
+    let (_, warnings) = resume(&path, 3).unwrap();
+    assert!(warnings.len() == 2 && warnings[1].contains("2 of its 3 frames are missing"), "{warnings:?}");
 }
 
 /// HDF5 may crash on a file of which a byte is not what it was: no such file reaches it.

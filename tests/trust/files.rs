@@ -39,6 +39,29 @@ fn a_run_whose_folder_was_given_to_another_writes_nothing_more() {
     completed(&restart(&out, &["--steps", "9"]));
 }
 
+/// Whoever took it is done, and its lock is gone: a run that finds none does not take the folder for its own.
+#[test]
+fn a_run_whose_folder_another_has_had_writes_nothing_more() {
+    let folder = temporary();
+    for force in [true, false] {
+        let out = folder.path().join("run");
+        let child = quiet(&out);
+        match force {
+            true => ok(std::fs::remove_file(out.join("run.lock"))),
+            false => ok(std::fs::remove_dir_all(&out)),
+        }
+        completed(&ok(run(&["-q", "--force", "--steps", "6", "--out"]).arg(&out).output()));
+        let before = contents(&out);
+        signal("-TERM", &child);
+        let output = ok(child.wait_with_output());
+        let said = words(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("another run has had the folder since"), "{said}");
+        assert_eq!(contents(&out), before);
+        ok(std::fs::remove_dir_all(&out));
+    }
+}
+
 #[test]
 fn a_lock_that_is_removed_comes_back() {
     let folder = temporary();
@@ -59,7 +82,9 @@ fn frames_stay_while_a_run_goes_on_without_any() {
     completed(&ok(run(&["-q", "--steps", "20", "--set", "output.frames=1000", "--out"]).arg(&out).output()));
     let before = frames();
     assert!(before.len() > 5, "{before:?}");
-    completed(&restart(&out, &["--steps", "30", "--set", "output.frames=0"]));
+    for steps in ["30", "32", "34"] {
+        completed(&restart(&out, &["--steps", steps, "--set", "output.frames=0"]));
+    }
     completed(&restart(&out, &["--steps", "40", "--set", "output.frames=1000"]));
     let after = frames();
     // but for the one that was there because the run ended
@@ -112,6 +137,9 @@ fn pictures_do_not_replace_files_of_a_run() {
     ok(std::os::unix::fs::symlink(out.join("summary.json"), folder.path().join("link")));
     let before = contents(folder.path());
     let plot = |to: &Path| sinew(&["plot", text(&out), "--y", "time_s", "--out", text(to)]);
+    let claim = ok(sinew::output::claim::Claim::take(&out));
+    refused(&plot(&out.join("run.lock")), &["is a file of a run"]);
+    drop(claim);
     for name in ["history.csv", "particles.vtkhdf", "particles/000000.h5", "../link", "../run/scene.toml"] {
         refused(&plot(&out.join(name)), &["is a file of a run"]);
     }
@@ -145,4 +173,65 @@ fn what_cannot_be_compared_is_neither_the_same_nor_different() {
         ok(std::fs::write(&path, bytes));
         completed(&compare());
     }
+}
+
+/// Refused is refused before anything is changed.
+#[test]
+fn a_restart_that_cannot_write_changes_nothing() {
+    let folder = temporary();
+    let whole = folder.path().join("whole");
+    completed(&ok(run(&["-q", "--steps", "6", "--out"]).arg(&whole).output()));
+    for (name, fact) in [
+        ("scene.toml", "where a run writes a file"),
+        ("summary.json", "where a run writes a file"),
+        ("particles.vtkhdf", "where a run writes a file"),
+        ("particles/000007.h5", "where a run writes a frame"),
+        ("particles", "where a run has its frames"),
+    ] {
+        let out = folder.path().join("run");
+        assert!(ok(Command::new("cp").arg("-r").args([&whole, &out]).status()).success());
+        let path = out.join(name);
+        if path.is_dir() {
+            ok(std::fs::remove_dir_all(&path));
+            ok(std::fs::write(&path, b"mine"));
+        } else {
+            // some are not there
+            let _ = std::fs::remove_file(&path);
+            ok(std::fs::create_dir(&path));
+        }
+        let before = contents(&out);
+        refused(&restart(&out, &["--steps", "9"]), &[fact, "move it away"]);
+        assert_eq!(contents(&out), before, "{name}");
+        ok(std::fs::remove_dir_all(&out));
+    }
+}
+
+/// A history and a checkpoint of another run of the same scene.
+#[test]
+fn what_another_run_wrote_is_told() {
+    let folder = temporary();
+    let [out, other] = ["run", "other"].map(|name| folder.path().join(name));
+    let steps = |steps| ["-q", "--steps", steps, "--set", "output.checkpoint.steps=3"];
+    completed(&ok(run(&steps("6")).arg("--out").arg(&out).output()));
+    completed(&ok(run(&steps("9")).arg("--out").arg(&other).output()));
+    let summary = || ok(std::fs::read_to_string(out.join("summary.json")));
+    ok(std::fs::copy(other.join("checkpoint-00000009.h5"), out.join("checkpoint-00000009.h5")));
+    let output = restart(&out, &["--steps", "12"]);
+    completed(&output);
+    assert!(
+        words(&output).contains("checkpoint-00000009.h5: it is a checkpoint of another run"),
+        "{}",
+        words(&output)
+    );
+    assert!(out.join("checkpoint-00000009.h5.damaged").exists() && summary().contains("of another run"));
+    assert_eq!(ok(vtkhdf::Reader::open(&out.join("particles.vtkhdf"))).frames(), 2);
+    let rows = ok(std::fs::read_to_string(out.join("history.csv")));
+    ok(std::fs::write(out.join("history.csv"), rows.replacen("left,", "right,", 1)));
+    let output = restart(&out, &["--steps", "15"]);
+    completed(&output);
+    assert!(words(&output).contains("not those that this run has written"), "{}", words(&output));
+    let output = restart(&out, &["--steps", "16"]);
+    completed(&output);
+    assert!(!words(&output).contains("warning: /"), "it was told: {}", words(&output));
+    assert!(summary().contains("not those that this run has written"));
 }

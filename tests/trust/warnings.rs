@@ -73,6 +73,26 @@ fn materials_that_pass_through_one_another_are_named_once() {
     assert!(told.len() == 1 && told[0].contains("drives hold both"), "{told:?}");
 }
 
+/// What was told before a restart is in the summary, once.
+#[test]
+fn a_restart_remembers_what_was_told() {
+    let folder = temporary();
+    let [file, whole, parts] = ["scene.toml", "whole", "parts"].map(|name| folder.path().join(name));
+    ok(std::fs::write(&file, MEET));
+    let run = |words: &[&str], out: &Path| {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("sinew"));
+        ok(command.args(["run", "-q", "--threads", "1"]).args(words).arg(out).output())
+    };
+    let told = |out: &Path| ok(Summary::read(&out.join("summary.json"))).more["warnings"].clone();
+    completed(&run(&[text(&file), "--out"], &whole));
+    let steps = ok(Summary::read(&whole.join("summary.json"))).steps - 1;
+    completed(&run(&[text(&file), "--steps", &steps.to_string(), "--out"], &parts));
+    let output = run(&["--until", "3 ms", "--steps", "1000", "--restart"], &parts);
+    completed(&output);
+    assert!(!words(&output).contains("pass through"), "{}", words(&output));
+    assert_eq!(told(&parts), told(&whole));
+}
+
 #[test]
 fn bodies_that_the_grid_does_not_resolve_are_named() {
     let thin = MEET.replace(
@@ -80,6 +100,13 @@ fn bodies_that_the_grid_does_not_resolve_are_named() {
         "box = { lower = [0.012, 0.002, 0.002], upper = [0.013, 0.006, 0.006] }",
     );
     let (told, _) = warnings(&thin.replace("velocity = [1, 0, 0]\n", ""), &[]);
+    assert!(told.len() == 1 && told[0].contains("\"right\" is 1.00 cells thick along x"), "{told:?}");
+    // at a mirror it is twice as thick; between two faces it has no end
+    let at_face = thin
+        .replace("velocity = [1, 0, 0]\n", "")
+        .replace("[0.012, 0.002", "[0.0155, 0.002")
+        .replace("[0.013,", "[0.016,");
+    let (told, _) = warnings(&at_face, &["--steps", "1"]);
     assert!(told.len() == 1 && told[0].contains("\"right\" is 1.00 cells thick along x"), "{told:?}");
 }
 
@@ -145,4 +172,21 @@ fn energy_that_the_accounts_do_not_explain_is_told() {
     );
     let (told, _) = warnings(&grip.replacen("velocity = [1, 0, 0]\n", "", 1), &["--until", "2 ms"]);
     assert!(told.iter().any(|it| it.contains("% of the energy turned over")), "{told:?}");
+}
+
+/// Before the first row of the history: what the run had, its last numbers say.
+#[test]
+fn a_run_that_fails_says_what_its_energy_says() {
+    let folder = temporary();
+    let out = folder.path().join("run");
+    let fast =
+        ["run.shape=linear", "body.0.velocity.0=8", "body.1.velocity.0=-8", "output.history-every=1000"];
+    let set = fast.iter().flat_map(|change| ["--set", change]);
+    let output = ok(run(&["-q"]).args(set).arg("--out").arg(&out).output());
+    let said = words(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("of the energy turned over has come from nowhere"), "{said}");
+    assert!(
+        ok(std::fs::read_to_string(out.join("summary.json"))).contains("turned over has come from nowhere")
+    );
 }

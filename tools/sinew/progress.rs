@@ -116,8 +116,8 @@ impl Progress {
     }
 
     /// Warnings of a run, also of a quiet one.
-    pub fn warn(&self, warnings: &[String]) {
-        for warning in warnings.iter().filter(|_| self.first) {
+    pub fn warn<'a>(&self, warnings: impl Iterator<Item = &'a str>) {
+        for warning in warnings.filter(|_| self.first) {
             match &self.bar {
                 Some(bar) => bar.suspend(|| tell!("warning: {warning}")),
                 None => tell!("warning: {warning}"),

@@ -50,7 +50,7 @@ pub fn resume(
     }
     ranks::share_cores(&mut scene, site, &mut *network)?;
     let mut simulation = Simulation::restore(network, scene, isa, &checkpoint)?;
-    let recorder = Recorder::resume(folder, &mut simulation, &checkpoint.head, &found.damaged);
+    let recorder = Recorder::resume(folder, &mut simulation, &checkpoint.head, &found);
     let (mut recorder, warnings) = recorder.map_err(Failure::usage)?;
     recorder.guard(taken.claim.clone());
     warn(&warnings);

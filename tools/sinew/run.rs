@@ -81,7 +81,8 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
     }
     // the run is complete, whatever becomes of its pictures
     if let Err(failure) = show(&simulation.scene, folder) {
-        tell!("warning: {}", failure.message());
+        let words = failure.message();
+        tell!("warning: {}", words.strip_prefix("error: ").unwrap_or(&words));
     }
     Ok(())
 }
@@ -131,7 +132,10 @@ fn march(
             Ok(false) => return Ok(End::Completed),
             Err(error @ RunError::Network(_)) => return Err(error.into()),
             Err(RunError::Stopped { .. }) => return Ok(End::Interrupted),
-            Err(error) => return Ok(End::Failed(error.to_string())),
+            Err(error) => {
+                recorder.look(simulation);
+                return Ok(End::Failed(error.to_string()));
+            }
         }
         let stop = stop.wanted(simulation, recorder);
         match recorder.step(simulation, stop) {

@@ -1,7 +1,7 @@
 //! The checkpoints in a run's folder.
 use crate::output::create::remove;
 use crate::output::error::{Error, Result, io};
-use crate::output::{draft, seal};
+use crate::output::{draft, seal, vtkhdf};
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -30,21 +30,32 @@ pub fn list(folder: &Path) -> Vec<PathBuf> {
 pub struct Found {
     /// Its file.
     pub path: PathBuf,
-    /// Later ones that are damaged, but for files that never were checkpoints.
+    /// Later ones that are damaged or another run's, but for files that never were checkpoints.
     pub damaged: Vec<PathBuf>,
     /// What is wrong with these, in words.
     pub warnings: Vec<String>,
 }
 
-/// The last checkpoint whose seal is unbroken.
+/// The last checkpoint whose seal is unbroken, and that is of the run whose frames are there.
 ///
 /// # Errors
 /// If there is none: why each of them cannot be used; or if one may not be read.
 pub fn last_whole(folder: &Path) -> Result<Found> {
     let (mut damaged, mut warnings) = (Vec::new(), Vec::new());
+    // whose folder it is, says the index of the frames
+    let owner = vtkhdf::run_of(&folder.join(vtkhdf::INDEX));
+    let foreign =
+        |path: &Path| owner.is_some_and(|owner| super::Reader::run_of(path).is_some_and(|run| run != owner));
+    let mut others = Vec::new();
     for path in list(folder) {
         match seal::verify(&path) {
-            Ok(_) => return Ok(Found { path, damaged, warnings }),
+            Ok(_) if foreign(&path) => others.push(path),
+            Ok(_) => {
+                let told = |path: &PathBuf| format!("{}: it is a checkpoint of another run", path.display());
+                warnings.extend(others.iter().map(told));
+                damaged.extend(others);
+                return Ok(Found { path, damaged, warnings });
+            }
             // whoever goes on from an earlier one loses what somebody may still make readable
             Err(error) if error.is_denied() => return Err(error),
             Err(error) => {
@@ -52,6 +63,10 @@ pub fn last_whole(folder: &Path) -> Result<Found> {
                 damaged.extend(is_hdf5(&path).then_some(path));
             }
         }
+    }
+    // then it is the index that is another run's
+    if let Some(path) = others.into_iter().next() {
+        return Ok(Found { path, damaged, warnings });
     }
     let problem = match warnings.as_slice() {
         [] => "holds no checkpoint, so there is nothing to go on from; scenes ask for them in [output.checkpoint]".into(),

@@ -52,7 +52,7 @@ pub struct Head {
 }
 
 /// How far the files of a run had come.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recorded {
     /// Whose they are.
     pub run: RunId,
@@ -66,6 +66,10 @@ pub struct Recorded {
     pub wall_s: f64,
     /// Seconds of these that output took.
     pub output_s: f64,
+    /// Digests of `history.csv`: but for its last row, and of all.
+    pub history: [u64; 2],
+    /// What the run has warned of: a key, and the words.
+    pub warnings: Vec<(String, String)>,
 }
 
 /// What a checkpoint has of the particles of a material, or of the nodes of a field: a row each, block by block.
@@ -120,6 +124,8 @@ mod name {
     pub const LAST_FRAME: &str = "last_frame_at_end";
     pub const WALL: &str = "wall_s";
     pub const OUTPUT: &str = "output_s";
+    pub const HISTORY: &str = "history_digests";
+    pub const WARNINGS: &str = "warnings";
     pub const SHARED: &str = "shared";
     pub const LEDGER: &str = "ledger";
     pub const MATERIALS: &str = "materials";

@@ -53,6 +53,12 @@ impl Reader {
         Ok(Self { path: path.into(), file, head })
     }
 
+    /// Whose a checkpoint is, whose seal was checked.
+    pub fn run_of(path: &Path) -> Option<RunId> {
+        let file = stored::open(path, Virtual::Refused).ok()?;
+        RunId::read(&file).ok()
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
@@ -133,12 +139,20 @@ fn head(file: &File) -> hdf5::Result<Head> {
             last: [number(file, name::LAST_ROW)?, number(file, name::LAST_FRAME)?],
             wall_s: number(file, name::WALL)?,
             output_s: number(file, name::OUTPUT)?,
+            history: number(file, name::HISTORY)?,
+            warnings: warnings(&file.dataset(name::WARNINGS)?.read_scalar::<VarLenUnicode>()?),
         },
         shared: shared.member_names()?.into_iter().map(words).collect::<hdf5::Result<_>>()?,
         ledger: all(file, name::LEDGER)?,
         materials: tables(name::MATERIALS)?,
         nodes: tables(name::NODES)?,
     })
+}
+
+/// A line each: a key, a tab, and the words.
+fn warnings(text: &str) -> Vec<(String, String)> {
+    let lines = text.lines().filter_map(|line| line.split_once('\t'));
+    lines.map(|(key, words)| (key.to_owned(), words.to_owned())).collect()
 }
 
 /// The name of a number that no run has.

@@ -109,6 +109,10 @@ fn lay_out(file: &File, head: &Head) -> hdf5::Result<Vec<Table>> {
     number(file, name::LAST_FRAME, &head.recorded.last[1])?;
     number(file, name::WALL, &head.recorded.wall_s)?;
     number(file, name::OUTPUT, &head.recorded.output_s)?;
+    number(file, name::HISTORY, &head.recorded.history)?;
+    let warnings: String =
+        head.recorded.warnings.iter().map(|(key, words)| format!("{key}\t{words}\n")).collect();
+    file.new_dataset::<VarLenUnicode>().create(name::WARNINGS)?.write_scalar(&word(&warnings)?)?;
     file.new_dataset::<VarLenUnicode>().create(name::SCENE)?.write_scalar(&word(&head.scene)?)?;
     let shared = file.create_group(name::SHARED)?;
     for (label, words) in &head.shared {

@@ -1,8 +1,8 @@
 //! A trace as it stands in its file.
-use crate::output::error::{Error, Result, io};
+use crate::output::error::{Error, Result};
+use crate::output::plain;
 use engine::exec::trace::Kind;
 use serde::Deserialize;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -79,7 +79,7 @@ impl Trace {
     /// # Errors
     /// A file that cannot be read, or is no trace of a run.
     pub fn load(path: &Path) -> Result<Self> {
-        let file = File::open(path).map_err(io("open", path))?;
+        let file = plain::open(path)?;
         let wrong = |why: String| Error::Content {
             path: path.into(),
             problem: format!("not a trace that sinew run --trace wrote: {why}"),

@@ -1,7 +1,7 @@
 //! Writes frames.
 use super::frame_file::FrameFile;
 use super::index::{self, Index};
-use super::{Entry, Found, file, folder};
+use super::{Entry, Found, file, folder, number};
 use crate::output::create::remove;
 use crate::output::error::{self, Error, Result};
 use crate::output::frame::{Field, Frame, Head, Piece};
@@ -57,7 +57,7 @@ impl Writer {
     /// # Errors
     /// If the folder cannot be written.
     pub fn resume(path: &Path, found: Found) -> Result<(Self, Vec<String>)> {
-        let Found { index, frames, named, wrong, mut warnings } = found;
+        let Found { index, frames, named, wrong, mut warnings, .. } = found;
         own_folder(path)?;
         for (file, problem) in &wrong {
             warnings.push(set_aside(file, problem)?);
@@ -242,7 +242,6 @@ pub fn remove_frames(index: &Path) -> Result<()> {
 /// Deletes the frames from a number on, and unfinished ones.
 fn forget_from(index: &Path, first: u64) -> Result<()> {
     let entries = fs::read_dir(folder(index)).into_iter().flatten().flatten().map(|entry| entry.path());
-    let number = |path: &Path| path.file_name()?.to_str()?.strip_suffix(".h5")?.parse::<u64>().ok();
     let goes = |path: &PathBuf| match draft::of(path) {
         Some(whole) => number(&whole).is_some(),
         None => number(path).is_some_and(|n| n >= first),

@@ -1,16 +1,19 @@
 //! The files of a run, on the rank that has them.
 use super::{due, rows};
 use crate::output::checkpoint::{self, Head};
+use crate::output::claim::LOCK;
 use crate::output::create::{remove, write_whole};
 use crate::output::history::{History, Table};
 use crate::output::run_id::RunId;
-use crate::output::{self, vtkhdf};
+use crate::output::{self, draft, space, vtkhdf};
 use scene::Scene;
 use std::path::{Path, PathBuf};
 
+/// Bytes beside those of the files that are there.
+const ROOM: usize = 1 << 15;
 const SCENE: &str = "scene.toml";
 const HISTORY: &str = "history.csv";
-const PARTICLES: &str = "particles.vtkhdf";
+const PARTICLES: &str = vtkhdf::INDEX;
 /// The file that a run writes at its end.
 pub const SUMMARY: &str = "summary.json";
 /// The files of a run, but for checkpoints and frames.
@@ -44,7 +47,7 @@ pub fn is_result(path: &Path) -> bool {
     let real = path.canonicalize().unwrap_or_default();
     let (Some(folder), Some(name)) = (real.parent(), real.file_name()) else { return false };
     let checkpoints = checkpoint::list(folder);
-    let ours = FILES.iter().any(|file| *file == name) || checkpoints.contains(&real);
+    let ours = FILES.iter().chain(&[LOCK]).any(|file| *file == name) || checkpoints.contains(&real);
     // others call a table of theirs so, too
     let others = FILES.iter().filter(|file| **file != name && folder.join(file).exists()).count();
     let frame = || folder.parent().is_some_and(|run| held(run) == Held::Run && vtkhdf::is_frame(run, &real));
@@ -100,15 +103,19 @@ impl Files {
         let (index, mut warnings) = (folder.join(PARTICLES), Vec::new());
         // what is refused is refused before anything is changed
         vtkhdf::refuse_link(&index)?;
+        writable(folder)?;
         let frames = head.recorded.frames.saturating_sub(dropped[1].into());
         let found = match scene.output.frames {
             0 => None,
             _ => Some(vtkhdf::Found::look(&index, head.recorded.run, frames)?),
         };
         let end = if dropped[0] { head.time.next_down() } else { head.time };
-        let history = resume_history(&folder.join(HISTORY), scene, (head, end), &mut warnings)?;
+        let history = resume_history(&folder.join(HISTORY), scene, end, &mut warnings)?;
+        let wanted = head.recorded.history[usize::from(!dropped[0])];
+        if warnings.is_empty() && history.digests()[1] != wanted {
+            warnings.push(other_rows(&folder.join(HISTORY), head));
+        }
         checkpoint::set_aside(folder, damaged)?;
-        remove(&folder.join(SUMMARY))?;
         write_whole(&folder.join(SCENE), scene.resolved.as_bytes())?;
         let particles = match found {
             None => None,
@@ -118,6 +125,7 @@ impl Files {
                 Some(writer)
             }
         };
+        remove(&folder.join(SUMMARY))?;
         Ok((Self { history, particles }, warnings))
     }
 
@@ -131,26 +139,40 @@ impl Files {
     }
 }
 
-/// What is wrong with the rows until a checkpoint, if they are not in order, or do not reach it.
-fn missing_rows(path: &Path, head: &Head) -> Option<String> {
-    let steps = Table::read(path).ok()?.column("step")?;
-    let every = due::stored_history_every(&head.scene)?.max(1);
+/// Whether the files of a run can be written, and there is room for what a restart writes anew.
+fn writable(folder: &Path) -> output::Result<()> {
+    let files = FILES.map(|file| folder.join(file));
+    if let Some(path) = files.iter().find(|file| file.is_dir()) {
+        let problem = "it is a folder, where a run writes a file: move it away".into();
+        return Err(output::Error::Content { path: path.clone(), problem });
+    }
+    let size = |path: &PathBuf| std::fs::metadata(path).map_or(0, |found| found.len()) as usize;
+    let bytes = files.iter().map(size).sum::<usize>() + ROOM;
+    space::probe(&draft::aside(&folder.join(HISTORY)), bytes)
+}
+
+/// What is wrong with rows until a checkpoint that are not those of the run.
+fn other_rows(path: &Path, head: &Head) -> String {
+    let steps = Table::read(path).ok().and_then(|table| table.column("step")).unwrap_or_default();
+    let every = due::stored_history_every(&head.scene).unwrap_or(1).max(1);
     let (first, last) = (*steps.first().unwrap_or(&f64::NAN), *steps.last().unwrap_or(&f64::NAN));
     let in_order = first == 0.0 && steps.is_sorted_by(|a, b| a < b);
-    (!in_order || last < (head.steps - head.steps % every) as f64).then(|| {
+    let problem = if in_order && last >= (head.steps - head.steps % every) as f64 {
+        "its rows until the checkpoint are not those that this run has written: they were changed, or are another run's".into()
+    } else {
+        let step = head.steps;
         format!(
-            "{}: rows are missing or not in order: it has steps {first} to {last}, where the checkpoint is of step {}",
-            path.display(),
-            head.steps
+            "rows are missing or not in order: it has steps {first} to {last}, where the checkpoint is of step {step}"
         )
-    })
+    };
+    format!("{}: {problem}", path.display())
 }
 
 /// The history until a time [s]; a damaged one is set aside.
 fn resume_history(
     path: &Path,
     scene: &Scene,
-    (head, end): (&Head, f64),
+    end: f64,
     warnings: &mut Vec<String>,
 ) -> output::Result<History> {
     let columns = rows::columns(scene);
@@ -162,10 +184,7 @@ fn resume_history(
                 std::fs::rename(path, &aside).map_err(output::io("rename", path))?;
                 format!("{} is damaged, and now {}", path.display(), aside.display())
             }
-            history => {
-                warnings.extend(missing_rows(path, head));
-                return history;
-            }
+            history => return history,
         },
     };
     warnings.push(format!("{problem}: it begins anew"));

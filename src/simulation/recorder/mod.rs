@@ -8,7 +8,7 @@ mod seen;
 mod summarize;
 
 use super::Simulation;
-use super::watch::Watch;
+use super::watch::{Said, Watch};
 use crate::output::checkpoint::{self, Head, Reader, Recorded};
 use crate::output::claim::Claim;
 use crate::output::frame;
@@ -46,8 +46,8 @@ pub struct Recorder {
     pub output_s: f64,
     watch: Watch,
     backup: Backup,
-    /// All warnings so far.
-    warnings: Vec<String>,
+    /// All warnings so far, those before a restart and of it among them.
+    warnings: Vec<Said>,
     /// How many of them were told.
     told: usize,
 }
@@ -120,24 +120,33 @@ impl Recorder {
         folder: &Path,
         simulation: &mut Simulation,
         head: &Head,
-        damaged: &[PathBuf],
+        found: &checkpoint::Found,
     ) -> output::Result<(Self, Vec<String>)> {
         // what a run leaves at its end is dropped, if now it does not end there
         let dropped = head.recorded.last.map(|last| last && !simulation.finished());
         let files = match simulation.network().rank() {
-            0 => Files::resume(folder, &simulation.scene, head, dropped, damaged).map(Some),
+            0 => Files::resume(folder, &simulation.scene, head, dropped, &found.damaged).map(Some),
             _ => Ok(None),
         };
         let (files, warnings) = together::agree(simulation.network(), files)?.unzip();
+        let warnings = warnings.unwrap_or_default();
         let mut recorder = Self::new(folder, head.recorded.run, simulation, files);
+        recorder.watch = Watch::after(&head.recorded.warnings);
+        recorder.warnings.clone_from(&head.recorded.warnings);
+        for words in found.warnings.iter().chain(&warnings) {
+            if recorder.warnings.iter().all(|(_, said)| said != words) {
+                recorder.warnings.push(("restart".into(), words.clone()));
+            }
+        }
+        recorder.told = recorder.warnings.len();
         let frames = head.recorded.frames.saturating_sub(dropped[1].into());
-        recorder.before = Recorded { frames, ..head.recorded };
+        recorder.before = Recorded { frames, ..head.recorded.clone() };
         recorder.last = [0, 1].map(|i| head.recorded.last[i] && !dropped[i]);
         let every = due::frame_interval(&simulation.scene);
         let same = head.recorded.due > 0 && due::stored_frame_interval(&head.scene) == Some(every);
         let due = (head.recorded.due as usize).saturating_sub(dropped[1].into());
         recorder.due = if same { due } else { due::after(head.time, every) };
-        Ok((recorder, warnings.unwrap_or_default()))
+        Ok((recorder, warnings))
     }
 
     fn new(folder: &Path, run: RunId, simulation: &Simulation, files: Option<Files>) -> Self {
@@ -168,7 +177,8 @@ impl Recorder {
 
     /// Whether the folder is still this process's.
     fn hold(&self) -> output::Result<()> {
-        self.claim.as_ref().map_or(Ok(()), |claim| claim.hold())
+        let untouched = || self.files.as_ref().is_some_and(|files| files.history.is_in_place());
+        self.claim.as_ref().map_or(Ok(()), |claim| claim.hold(untouched))
     }
 
     /// After a step: a row, a frame and a checkpoint, if they are due. A run that is `interrupted` on any rank gets a
@@ -186,7 +196,7 @@ impl Recorder {
         if frame || finished {
             self.frame(simulation)?;
         }
-        self.last = [finished && !row, finished && !frame];
+        self.last = [finished && !row, finished && !frame && simulation.scene.output.frames > 0];
         let wanted = simulation.scene.output.checkpoint;
         let (steps, time) = (simulation.steps(), simulation.clock().time);
         let by_step = self.checkpoints.by_step(steps, time, finished, &wanted);
@@ -260,13 +270,25 @@ impl Recorder {
             last: self.last,
             wall_s: self.wall_s(),
             output_s: self.before.output_s + self.output_s,
+            history: self.files.as_ref().map_or([0; 2], |files| files.history.digests()),
+            warnings: self.warnings.clone(),
+        }
+    }
+
+    /// Looks at a run that has failed: its last numbers may say why. All ranks call it.
+    pub fn look(&mut self, simulation: &mut Simulation) {
+        // best effort: the error that matters is the one that ended the run
+        if let Ok(report) = simulation.peek()
+            && let Ok(news) = self.watch.look(simulation, &report)
+        {
+            self.warnings.extend(news);
         }
     }
 
     /// Warnings that were not asked for before.
-    pub fn warnings(&mut self) -> &[String] {
+    pub fn warnings(&mut self) -> impl Iterator<Item = &str> {
         let told = std::mem::replace(&mut self.told, self.warnings.len());
-        &self.warnings[told..]
+        self.warnings[told..].iter().map(|(_, words)| words.as_str())
     }
 
     /// Seconds that a checkpoint takes, if one was written.
@@ -300,7 +322,7 @@ impl Recorder {
         together::agree(simulation.network(), synced)?;
         let wall_s = self.wall_s();
         let stepping_s = wall_s - self.output_s - self.before.output_s;
-        let warnings = std::mem::take(&mut self.warnings);
+        let warnings = std::mem::take(&mut self.warnings).into_iter().map(|(_, words)| words).collect();
         let ending = Ending { run: self.run, status, error, warnings, wall_s, stepping_s };
         let summary = summarize::summarize(simulation, ending)?;
         let path = self.folder.join(files::SUMMARY);
