@@ -19,6 +19,9 @@ pub const SUMMARY: &str = "summary.json";
 /// The files of a run, but for checkpoints and frames.
 const FILES: [&str; 4] = [HISTORY, SUMMARY, PARTICLES, SCENE];
 
+/// What shows a run in its folder, and would show another one there.
+const SHOWN: [&str; 3] = ["section.png", "exit.png", "trace.json"];
+
 /// What a folder holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Held {
@@ -71,7 +74,7 @@ impl Files {
         let cannot = |source| output::Error::Io { action: "create", path: folder.into(), source };
         std::fs::create_dir_all(folder).map_err(cannot)?;
         // the scene first: alone, after a kill, it would pass for somebody's
-        let files = FILES.iter().rev().map(|file| folder.join(file));
+        let files = FILES.iter().rev().chain(&SHOWN).map(|file| folder.join(file));
         for file in files.chain(checkpoint::list(folder)) {
             remove(&file)?;
         }
