@@ -62,6 +62,27 @@ fn a_block_that_is_there_twice_is_refused() {
     refused(|file| numbers(file, "materials/0/block_index", twice), &["its blocks of a do not fit"]);
 }
 
+/// A byte that is neither true nor false.
+#[test]
+fn a_flag_may_have_any_byte() {
+    let folder = folder();
+    let mut simulation = ok(Simulation::new(cloud(), Isa::detect()));
+    let mut bytes = |last| {
+        let recorded = Recorded { last: [last, false], ..Recorded::default() };
+        ok(simulation.write_checkpoint(folder.path(), recorded));
+        ok(std::fs::read(checkpoint::path(folder.path(), 0)))
+    };
+    let [mut one, other] = [true, false].map(&mut bytes);
+    one.truncate(one.len() - sinew::output::seal::LENGTH as usize);
+    let differ: Vec<usize> = (0..one.len()).filter(|&at| one[at] != other[at]).collect();
+    let [at] = differ[..] else { panic!("{differ:?} differ") };
+    one[at] = 2;
+    let path = checkpoint::path(folder.path(), 0);
+    ok(std::fs::write(&path, &one));
+    ok(sinew::output::seal::seal(&path));
+    assert_eq!(ok(Reader::open(&path)).head.recorded.last, [true, false]);
+}
+
 /// Tasks find nodes by where a particle is in its block.
 #[test]
 fn particles_that_are_not_near_their_block_are_refused() {

@@ -136,7 +136,7 @@ fn head(file: &File) -> hdf5::Result<Head> {
             run: RunId::read(file)?,
             frames: number(file, name::FRAMES)?,
             due: number(file, name::DUE)?,
-            last: [number(file, name::LAST_ROW)?, number(file, name::LAST_FRAME)?],
+            last: [flag(file, name::LAST_ROW)?, flag(file, name::LAST_FRAME)?],
             wall_s: number(file, name::WALL)?,
             output_s: number(file, name::OUTPUT)?,
             history: number(file, name::HISTORY)?,
@@ -203,6 +203,11 @@ fn rows<T: H5Type>(dataset: &Dataset, range: Range<usize>) -> hdf5::Result<Vec<T
 
 fn number<T: H5Type>(group: &Group, name: &str) -> hdf5::Result<T> {
     group.attr(name)?.read_scalar()
+}
+
+/// As a number: one that is neither 0 nor 1 is no `bool`.
+fn flag(group: &Group, name: &str) -> hdf5::Result<bool> {
+    number::<i8>(group, name).map(|flag| flag != 0)
 }
 
 fn text(group: &Group, name: &str) -> hdf5::Result<String> {
