@@ -186,7 +186,5 @@ fn a_run_that_fails_says_what_its_energy_says() {
     let said = words(&output);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("of the energy turned over has vanished"), "{said}");
-    assert!(
-        ok(std::fs::read_to_string(out.join("summary.json"))).contains("turned over has come from nowhere")
-    );
+    assert!(ok(std::fs::read_to_string(out.join("summary.json"))).contains("turned over has vanished"));
 }
