@@ -4,7 +4,7 @@
 mod common;
 
 use common::Random;
-use common::command::{ok, text, words};
+use common::command::{kills, ok, text, words};
 use sinew::output::checkpoint;
 use sinew::output::summary::Summary;
 use std::path::Path;
@@ -282,7 +282,7 @@ const LONG: Duration = Duration::from_secs(60);
 /// Kills a rank or the whole job at random moments, also while a checkpoint is written, until the run is done.
 #[test]
 fn a_killed_rank_ends_the_run_and_a_restart_goes_on() {
-    let least: usize = std::env::var("SINEW_TEST_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
+    let least = kills(6);
     let mut random = Random(std::process::id().into());
     let folder = ok(tempfile::tempdir());
     let steps = ["run", "problems/two-spheres", "--steps", "60", "--set", "output.frames=0"];

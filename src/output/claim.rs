@@ -4,6 +4,7 @@
 //! on another machine, or in another container, nobody here can tell: then a person decides.
 use super::create::create;
 use super::error::{Error, Result, io};
+use engine::exec::ranks::launch;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
@@ -80,22 +81,20 @@ impl Claim {
         }
         Err(refusal(folder, &path, None, &me))
     }
-}
 
-impl Claim {
     /// Looks whether the folder is still this process's. A lock that somebody has removed is put back, if the folder is
     /// `untouched`: another run may have come and gone since.
     ///
     /// # Errors
     /// If another process has it now, or has had it.
     pub fn hold(&self, untouched: impl FnOnce() -> bool) -> Result<()> {
-        let me = Holder::here();
         let found = match fs::read_to_string(&self.path) {
-            Err(error) if error.kind() == ErrorKind::NotFound && !untouched() => Err(error),
-            Err(error) if error.kind() == ErrorKind::NotFound => match place(&self.path, &self.text, &me)? {
-                true => return Ok(()),
-                false => fs::read_to_string(&self.path),
-            },
+            Err(error) if error.kind() == ErrorKind::NotFound && untouched() => {
+                match place(&self.path, &self.text, &Holder::here())? {
+                    true => return Ok(()),
+                    false => fs::read_to_string(&self.path),
+                }
+            }
             found => found,
         };
         match found {
@@ -164,7 +163,7 @@ impl Holder {
             pid,
             started: started(pid),
             boot: word("/proc/sys/kernel/random/boot_id"),
-            host: word("/proc/sys/kernel/hostname"),
+            host: launch::host(),
             machine: word("/etc/machine-id"),
             namespace: namespace.to_string_lossy().into_owned(),
             command: words.join(" "),

@@ -1,8 +1,9 @@
 //! Files of one's own: made anew, never written through a link to somewhere else.
+use super::draft;
 use super::error::{Result, io};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self as std_io, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A new, empty file. What had its name before, a symbolic link among others, is removed, and not what that pointed to. Devices stay, and
 /// are written to.
@@ -52,7 +53,7 @@ fn vanish(path: &Path) -> std_io::Result<()> {
 /// # Errors
 /// If it cannot be written; the old file, if any, stays.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let aside = path.with_added_extension("part");
+    let aside = draft::aside(path);
     let written = create(&aside).and_then(|mut file| {
         let all = file.write_all(bytes).and_then(|()| file.sync_all());
         all.and_then(|()| fs::rename(&aside, path)).map_err(io("write", path))
@@ -62,4 +63,14 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
         let _ = fs::remove_file(&aside);
     }
     written
+}
+
+/// Renames a file that cannot be used, so that nobody takes it for one; what it is called now.
+///
+/// # Errors
+/// If it cannot be renamed.
+pub fn set_aside(path: &Path) -> Result<PathBuf> {
+    let aside = path.with_added_extension("damaged");
+    fs::rename(path, &aside).map_err(io("rename", path))?;
+    Ok(aside)
 }

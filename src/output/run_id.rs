@@ -1,5 +1,6 @@
 //! Who wrote a file: each run has an identity, which its index, its frames and its checkpoints carry, so that none of them
 //! passes for another run's.
+use super::stored::word;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Error, Group};
 use std::fmt;
@@ -29,9 +30,7 @@ impl RunId {
     /// # Errors
     /// If HDF5 cannot write it.
     pub fn write(self, group: &Group) -> hdf5::Result<()> {
-        let text: VarLenUnicode =
-            self.to_string().parse().map_err(|_| Error::Internal("a text holds a NUL".into()))?;
-        group.new_attr::<VarLenUnicode>().create(NAME)?.write_scalar(&text)
+        group.new_attr::<VarLenUnicode>().create(NAME)?.write_scalar(&word(&self.to_string())?)
     }
 
     /// What a file or a group states.

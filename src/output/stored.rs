@@ -2,6 +2,7 @@
 //! elsewhere.
 use super::error::{Error, Result, hdf5 as wrong};
 use hdf5::plist::dataset_create::Layout;
+use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, FileBuilder, Group, H5Type, IndexType, IterationOrder, LinkType};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -59,6 +60,14 @@ pub fn table<T: H5Type>(group: &Group, name: &str, rows: usize, width: usize) ->
     }
     refuse_bomb(&dataset, name)?;
     if rows * width == 0 { Ok(Vec::new()) } else { dataset.read_raw() }
+}
+
+/// A text as HDF5 has it.
+///
+/// # Errors
+/// If there is a NUL in it.
+pub fn word(text: &str) -> hdf5::Result<VarLenUnicode> {
+    text.parse().map_err(|_| hdf5::Error::Internal("a text holds a NUL".into()))
 }
 
 /// Refuses a dataset that says that it is larger than its bytes can be.

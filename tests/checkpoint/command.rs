@@ -212,7 +212,7 @@ fn a_full_disk_ends_the_run_and_the_last_checkpoint_stays() {
 /// Kills the command at random moments, again and again, until the run is done. `SINEW_TEST_KILLS` sets how often at least.
 #[test]
 fn a_run_that_is_killed_at_any_moment_goes_on() {
-    let least: usize = std::env::var("SINEW_TEST_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(15);
+    let least = kills(15);
     let mut random = Random(std::process::id().into());
     let folder = folder();
     let whole = folder.path().join("whole");

@@ -20,7 +20,7 @@ fn restored_from(unsealed: &[u8], change: impl Fn(&File)) -> Result<bool, RunErr
     let folder = folder();
     let path = checkpoint::path(folder.path(), 2);
     ok(std::fs::write(&path, unsealed));
-    let file = ok(File::open_rw(&path));
+    let file = ok(unlocked().open_rw(&path));
     change(&file);
     ok(file.close());
     ok(sinew::output::seal::seal(&path));
@@ -100,7 +100,7 @@ fn no_number_of_a_checkpoint_makes_a_restart_panic() {
     let path = folder.path().join("unsealed.h5");
     ok(std::fs::write(&path, &bytes));
     let mut names = Vec::new();
-    let file = ok(File::open(&path));
+    let file = ok(unlocked().open(&path));
     datasets(&file, "", &mut names);
     drop(file);
     let bits = [f64::NAN, f64::INFINITY, -1e300, 0.0].map(f64::to_bits);
@@ -148,7 +148,7 @@ fn no_header_makes_a_restart_panic() {
             let _ = std::fs::remove_dir_all(&again);
             assert!(ok(Command::new("cp").arg("-r").args([&good, &again]).status()).success());
             ok(std::fs::write(&path, content));
-            let file = ok(File::open_rw(&path));
+            let file = ok(unlocked().open_rw(&path));
             let attribute = ok(file.attr(name));
             match ok(ok(attribute.dtype()).to_descriptor()) {
                 TypeDescriptor::Float(_) => ok(attribute.write_scalar(&f64::from_bits(bits))),

@@ -4,8 +4,10 @@ mod command;
 mod common;
 mod crafted;
 mod ranks;
+#[path = "../common/unlocked.rs"]
+mod unlocked;
 
-use common::command::{ok, sinew, text, words};
+use common::command::{kills, ok, sinew, text, words};
 use common::{Overrides, Random, finish, scene, soft_shot};
 use engine::exec::ranks::local::Local;
 use engine::exec::ranks::{Alone, Network};
@@ -17,6 +19,7 @@ use sinew::simulation::recorder::{End, Next, Recorder, last_checkpoint};
 use sinew::simulation::{Report, RunError, Simulation};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use unlocked::unlocked;
 
 type Layout = ([usize; 3], usize);
 
@@ -242,13 +245,6 @@ fn crafted_checkpoints_are_refused() {
         println!("{name} {}: {}", number % 5, read.err().map_or("read".into(), |error| error.to_string()));
     }
     assert_eq!(refused, names.len(), "nothing of it is superfluous");
-}
-
-/// Tests that start processes beside this one hand them its locks for a moment.
-fn unlocked() -> hdf5::FileBuilder {
-    let mut builder = hdf5::File::with_options();
-    builder.with_fapl(|access| access.file_locking(false));
-    builder
 }
 
 /// The names of all datasets below a group.

@@ -23,3 +23,8 @@ pub fn words(output: &Output) -> String {
 pub fn text(path: &Path) -> &str {
     path.to_str().expect("a path in UTF-8")
 }
+
+/// How often a test kills: `SINEW_TEST_KILLS`, if that is set.
+pub fn kills(usually: usize) -> usize {
+    std::env::var("SINEW_TEST_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(usually)
+}

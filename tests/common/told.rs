@@ -1,9 +1,16 @@
 //! What every refusal of a scene must fulfil, whatever the scene.
+#![allow(dead_code)] // each test takes what it needs
+
 use miette::{GraphicalReportHandler, GraphicalTheme};
 use sinew::input::SceneError;
 
 /// Bytes of a report that still fit a screen that scrolls.
 const LONGEST: usize = 20_000;
+
+/// All that is wrong, each with its line.
+pub fn faults(error: &SceneError) -> Vec<(Option<usize>, String)> {
+    std::iter::once(error).chain(error.more()).map(|error| (error.line(), error.to_string())).collect()
+}
 
 /// The error as people see it.
 ///

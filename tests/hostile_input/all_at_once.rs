@@ -1,5 +1,5 @@
 //! All that is wrong is told at once, at the place that is at fault, and does nothing to a terminal.
-use super::{GOOD, refused};
+use super::{GOOD, refused, told};
 use sinew::input::read_text;
 
 fn set(key: &str, value: &str) -> (String, String) {
@@ -8,8 +8,7 @@ fn set(key: &str, value: &str) -> (String, String) {
 
 /// All faults with their lines.
 fn faults(text: &str, overrides: &[(String, String)]) -> Vec<(Option<usize>, String)> {
-    let error = read_text("scene.toml", text, overrides, None).expect_err("it is wrong");
-    std::iter::once(&error).chain(error.more()).map(|error| (error.line(), error.to_string())).collect()
+    told::faults(&read_text("scene.toml", text, overrides, None).expect_err("it is wrong"))
 }
 
 #[test]
@@ -102,7 +101,7 @@ fn control_characters_do_not_reach_the_terminal() {
         GOOD.replace("until", "untl").replace('\n', "\r\n"),
     ] {
         let error = read_text("scene.toml", &bad, &[], None).expect_err("it is wrong");
-        super::told::told(&error).unwrap_or_else(|why| panic!("{why}"));
+        told::told(&error).unwrap_or_else(|why| panic!("{why}"));
     }
 }
 
@@ -112,7 +111,7 @@ fn many_long_faults_fit_a_screen() {
     let many: String = (0..50).map(|n| format!("wrong-{n} = \"{long}\"\n")).collect();
     let error = read_text("scene.toml", &GOOD.replace("[run]\n", &format!("[run]\n{many}")), &[], None);
     let error = error.expect_err("it is wrong");
-    let report = super::told::told(&error).unwrap_or_else(|why| panic!("{why}"));
+    let report = told::told(&error).unwrap_or_else(|why| panic!("{why}"));
     assert!(report.contains("more"), "{report}");
 }
 

@@ -222,18 +222,16 @@ fn fibers() {
 fn memory() {
     let fine = GOOD.replace("cell = \"10 mm\"", "cell = \"1 mm\"");
     let error = |text: &str, bytes| {
-        let error = read_text("scene.toml", text, &[], Some(bytes)).expect_err("too many particles");
-        let all = std::iter::once(&error).chain(error.more());
-        all.map(|error| (error.to_string(), error.line())).collect::<Vec<_>>()
+        told::faults(&read_text("scene.toml", text, &[], Some(bytes)).expect_err("too many particles"))
     };
-    let [(message, line)] = &error(&fine, 700 * 70_000)[..] else { panic!("one body is too many") };
+    let [(line, message)] = &error(&fine, 700 * 70_000)[..] else { panic!("one body is too many") };
     // the block has 64 000, the ball 113 000
     assert!(message.contains("do not fit into memory") && message.contains("70000"), "{message}");
     assert_eq!(*line, Some(23));
     // must not be walked: neither the blocks of the domain nor the bodies
     let found = error(&GOOD.replace("10 mm\"\n[m", "1 um\"\n[m"), 1 << 34);
-    assert!(found.iter().all(|(message, _)| message.contains("not fit into memory")), "{found:?}");
-    assert_eq!(found.iter().map(|(_, line)| *line).collect::<Vec<_>>()[1..], [Some(18), Some(23)]);
+    assert!(found.iter().all(|(_, message)| message.contains("not fit into memory")), "{found:?}");
+    assert_eq!(found.iter().map(|(line, _)| *line).collect::<Vec<_>>()[1..], [Some(18), Some(23)]);
     // nothing in it but blocks
     check(
         "[\"80 mm\", \"40 mm\", \"40 mm\"]",

@@ -1,4 +1,5 @@
 //! Frames and an index that are damaged, lost, another run's, or made by somebody else.
+use crate::unlocked::unlocked;
 use crate::*;
 
 #[test]
@@ -116,13 +117,6 @@ fn no_byte_can_change_unnoticed() {
         std::fs::write(&file, whole).unwrap();
         assert!(Reader::open(&path).unwrap().frame(1).is_ok());
     }
-}
-
-/// Tests that start processes beside this one hand them its locks for a moment.
-fn unlocked() -> hdf5::FileBuilder {
-    let mut builder = hdf5::File::with_options();
-    builder.with_fapl(|access| access.file_locking(false));
-    builder
 }
 
 /// Files with a good seal that Sinew has not written: others know how to seal, too.

@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod damaged;
+#[path = "../common/unlocked.rs"]
+mod unlocked;
 
 use sinew::output::compare::frame_particles;
 use sinew::output::frame::Field;

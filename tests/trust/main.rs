@@ -8,6 +8,8 @@ mod scenes;
 mod screen;
 #[path = "../common/splitmix.rs"]
 mod splitmix;
+#[path = "../common/told.rs"]
+mod told;
 mod two;
 mod warnings;
 

@@ -1,6 +1,6 @@
 //! Scenes that are wrong are told all that is wrong with them, in words that fit a screen.
 use crate::*;
-use sinew::input::{SceneError, read, read_text};
+use sinew::input::{read, read_text};
 
 const GOOD: &str = "[domain]\nlower = [0, 0, 0]\nupper = [\"8 mm\", \"8 mm\", \"8 mm\"]\ncell = \"1 mm\"\n\
     [material.soft]\nlaw = \"neo-hookean\"\ndensity = 1000\nbulk-modulus = \"1 MPa\"\nshear-modulus = \"0.5 MPa\"\n\
@@ -8,9 +8,7 @@ const GOOD: &str = "[domain]\nlower = [0, 0, 0]\nupper = [\"8 mm\", \"8 mm\", \"
     [run]\nuntil = \"1 ms\"\n";
 
 fn errors(text: &str) -> Vec<(Option<usize>, String)> {
-    let error = read_text("scene.toml", text, &[], None).expect_err("it is wrong");
-    let all = std::iter::once(&error).chain(error.more());
-    all.map(|error: &SceneError| (error.line(), error.to_string())).collect()
+    told::faults(&read_text("scene.toml", text, &[], None).expect_err("it is wrong"))
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! The checkpoints in a run's folder.
-use crate::output::create::remove;
+use crate::output::create::{self, remove};
 use crate::output::error::{Error, Result, io};
 use crate::output::{draft, seal, vtkhdf};
 use std::fs;
@@ -88,7 +88,7 @@ fn is_hdf5(path: &Path) -> bool {
 /// If the folder cannot be written.
 pub fn set_aside(folder: &Path, damaged: &[PathBuf]) -> Result<()> {
     for path in damaged {
-        fs::rename(path, path.with_added_extension("damaged")).map_err(io("rename", path))?;
+        create::set_aside(path)?;
     }
     let unfinished = |path: &PathBuf| draft::of(path).is_some_and(|whole| steps(&whole).is_some());
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());

@@ -3,6 +3,7 @@ use super::{FORMAT, Head, Part, name};
 use crate::output::draft::Draft;
 use crate::output::error::Result;
 use crate::output::seal;
+use crate::output::stored::word;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::ArrayView2;
@@ -173,8 +174,4 @@ fn number<T: H5Type>(group: &Group, name: &str, value: &T) -> hdf5::Result<()> {
 
 fn text(group: &Group, name: &str, value: &str) -> hdf5::Result<()> {
     group.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&word(value)?)
-}
-
-fn word(text: &str) -> hdf5::Result<VarLenUnicode> {
-    text.parse().map_err(|_| hdf5::Error::Internal("a text holds a NUL".into()))
 }

@@ -125,14 +125,11 @@ impl Found {
     }
 }
 
-/// Whether the index and its folder can be written, and the frames from `frames` on.
+/// Whether there is room for the index, and the frames from `frames` on can be written.
 fn writable(index: &Path, frames: u64) -> Result<()> {
     let folder = super::folder(index);
     let size = std::fs::metadata(index).map_or(0, |found| found.len()) as usize;
     let blocked = |path: &Path, problem: &str| Error::Content { path: path.into(), problem: problem.into() };
-    if index.is_dir() {
-        return Err(blocked(index, "it is a folder, where a run writes a file: move it away"));
-    }
     match std::fs::metadata(&folder) {
         Ok(found) if !found.is_dir() => {
             return Err(blocked(&folder, "it is no folder, where a run has its frames: move it away"));

@@ -6,7 +6,7 @@ use crate::output::frame::{Field, Head, Piece};
 use crate::output::run_id::RunId;
 use crate::output::seal;
 use crate::output::snapshot::Snapshot;
-use crate::output::stored::{self, Virtual, table};
+use crate::output::stored::{self, Virtual, table, word};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::ArrayView2;
@@ -187,9 +187,7 @@ fn put<T: H5Type>(dataset: &Dataset, start: usize, components: usize, values: &[
 
 /// States the unit of a dataset.
 pub fn unit(dataset: &Dataset, symbol: &str) -> hdf5::Result<()> {
-    let symbol: VarLenUnicode =
-        symbol.parse().map_err(|_| hdf5::Error::Internal("a unit holds a NUL".into()))?;
-    dataset.new_attr::<VarLenUnicode>().create(name::UNIT)?.write_scalar(&symbol)
+    dataset.new_attr::<VarLenUnicode>().create(name::UNIT)?.write_scalar(&word(symbol)?)
 }
 
 fn attribute<T: H5Type>(group: &Group, name: &str) -> hdf5::Result<T> {

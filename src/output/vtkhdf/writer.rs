@@ -2,7 +2,7 @@
 use super::frame_file::FrameFile;
 use super::index::{self, Index};
 use super::{Entry, Found, file, folder, number};
-use crate::output::create::remove;
+use crate::output::create::{remove, set_aside};
 use crate::output::error::{self, Error, Result};
 use crate::output::frame::{Field, Frame, Head, Piece};
 use crate::output::run_id::RunId;
@@ -60,7 +60,8 @@ impl Writer {
         let Found { index, frames, named, wrong, mut warnings, .. } = found;
         own_folder(path)?;
         for (file, problem) in &wrong {
-            warnings.push(set_aside(file, problem)?);
+            let aside = set_aside(file)?;
+            warnings.push(format!("{problem}; it is now {}, and left out of the frames", aside.display()));
         }
         if !named {
             index::write(path, index.run, &index.fields, &index.entries)?;
@@ -187,13 +188,6 @@ impl Writer {
         seal::sync(&folder(&self.path))?;
         seal::sync(&self.path)
     }
-}
-
-/// Renames a file that is no frame of this run; what to say.
-fn set_aside(file: &Path, problem: &str) -> Result<String> {
-    let aside = file.with_added_extension("damaged");
-    fs::rename(file, &aside).map_err(error::io("rename", file))?;
-    Ok(format!("{problem}; it is now {}, and left out of the frames", aside.display()))
 }
 
 /// The folder of the frames is one, and not a link to another.

@@ -2,7 +2,7 @@
 use super::{due, rows};
 use crate::output::checkpoint::{self, Head};
 use crate::output::claim::LOCK;
-use crate::output::create::{remove, write_whole};
+use crate::output::create::{remove, set_aside, write_whole};
 use crate::output::history::{History, Table};
 use crate::output::run_id::RunId;
 use crate::output::{self, draft, space, vtkhdf};
@@ -183,9 +183,7 @@ fn resume_history(
         Err(_) => format!("{} is missing", path.display()),
         Ok(_) => match History::resume(path, &columns, end) {
             Err(output::Error::Content { .. }) => {
-                let aside = path.with_added_extension("damaged");
-                std::fs::rename(path, &aside).map_err(output::io("rename", path))?;
-                format!("{} is damaged, and now {}", path.display(), aside.display())
+                format!("{} is damaged, and now {}", path.display(), set_aside(path)?.display())
             }
             history => return history,
         },
