@@ -62,8 +62,10 @@ fn first_free(name: &str, scene: &Path, force: bool) -> Result<(PathBuf, Claim),
     for folder in std::iter::once(first).chain(numbered).filter(|folder| held(folder) == Held::Nothing) {
         match claim(&folder, scene, force) {
             Ok(claim) => return Ok((folder, claim)),
-            // another run has just taken it
-            Err(error @ Failure::Taken(_)) => last = Some(error),
+            // another run has just taken it, or has come and gone
+            Err(error) if matches!(error, Failure::Taken(_)) || held(&folder) == Held::Run => {
+                last = Some(error)
+            }
             Err(error) => return Err(error),
         }
     }
