@@ -66,8 +66,10 @@ impl Claim {
             match fs::read_to_string(&path) {
                 Ok(found) => {
                     let holder: Option<Holder> = serde_json::from_str(&found).ok();
-                    if holder.as_ref().map(|holder| holder.state(&me)) != Some(State::Gone) {
-                        return Err(refusal(folder, &path, holder.as_ref(), &me));
+                    // asked once: it may end while this is told
+                    let holder = holder.map(|holder| (holder.state(&me), holder));
+                    if !matches!(holder, Some((State::Gone, _))) {
+                        return Err(refusal(folder, &path, holder, &me));
                     }
                     super::create::remove(&path)?;
                 }
@@ -212,19 +214,19 @@ fn plain(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
-fn refusal(folder: &Path, path: &Path, holder: Option<&Holder>, me: &Holder) -> Error {
-    let shown = holder.map(|it| Holder { host: plain(&it.host), command: plain(&it.command), ..it.clone() });
+fn refusal(folder: &Path, path: &Path, holder: Option<(State, Holder)>, me: &Holder) -> Error {
+    let shown = holder.map(|(state, it)| (state, it.pid, plain(&it.host), plain(&it.command)));
     let since = fs::metadata(path).and_then(|found| found.modified()).ok();
     let age = since.and_then(|then| SystemTime::now().duration_since(then).ok());
     let age = age.map_or_else(String::new, |age| format!(", since {} s", age.as_secs()));
     let remedy = "choose another folder with --out";
     let problem = match &shown {
-        Some(Holder { pid, command, .. }) if holder.is_some_and(|h| h.state(me) == State::Alive) => {
+        Some((State::Alive, pid, _, command)) => {
             format!(
                 "another run is writing there: process {pid} ({command}){age}; {remedy}, or wait until it ends"
             )
         }
-        Some(Holder { pid, command, host, .. }) => format!(
+        Some((_, pid, host, command)) => format!(
             "another run may be writing there: process {pid} on {host} ({command}){age}, and nobody can tell from {} whether \
              it still runs; {remedy}, or, if it does not, remove {}",
             me.host,
