@@ -31,6 +31,7 @@ engine::labels! {
     ViscousWork: Wide         = particle("J/m^3", "work of the artificial viscosity per reference volume");
     ViscousPressure: Wide     = particle("Pa", "J q of the artificial viscosity");
     ReferencePosition: [Wide; 3] = particle("m", "X_p - X_c of a rigid body's particle");
+    InitialPosition: [Wide; 3] = particle("m", "X_p, for those who look: no task reads it").known();
     DriveIndex: Wide          = particle("1", "1 + index of the drive that moves p, 0: none");
     ForceIndex: Wide          = particle("1", "1 + index of the force that acts on p, 0: none");
     SurfaceArea: [Wide; 3]    = particle("m^2, 1", "area of its undeformed faces on the surface, or its share of a force");
@@ -73,7 +74,7 @@ engine::labels! {
     MaterialMotion: [ExactSum; 10] = material("mixed", "m, m v (3), m x (3), m x cross v (3)").exact();
     MaterialExtent: [Wide; 6] = material("m", "max over p of x_p and of -x_p").largest();
     LargestHistory: [Wide; MAX_HISTORY] = material("mixed", "max over p of what the law keeps").largest();
-    StateCount: [ExactSum; MAX_COUNTS] = material("1", "particles in each state that the law counts").exact();
+    StateCount: [ExactSum; MAX_COUNTS + 1] = material("1", "particles in each state that the law counts, and at last those that have collapsed").exact();
 
     Time: Clock               = run("s", "time, tick, and what limits it").lives(Carried);
     StepOver: Wide            = run("1", "1 where all materials are together again: the step is over").lives(Step);

@@ -133,7 +133,7 @@ fn pressed() -> Scene {
 }
 
 fn simulation(mut scene: Scene, patches: [usize; 3], threads: usize) -> Simulation {
-    (scene.run.patches, scene.run.threads) = (Some(patches), Some(threads));
+    (scene.run.patches, scene.run.threads) = (Some(scene::Patches::Grid(patches)), Some(threads));
     Simulation::new(scene, Isa::detect()).unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -2,7 +2,7 @@
 mod common;
 
 use assert_cmd::Command;
-use common::command::{sinew, words};
+use common::command::{ok, sinew, text, words};
 use std::path::Path;
 use std::process::Output;
 use std::time::Duration;
@@ -202,12 +202,72 @@ fn the_graph_prints_in_every_form_and_says_why() {
 }
 
 #[test]
+fn shells_and_manuals_know_every_subcommand() {
+    let folder = ok(tempfile::tempdir());
+    let said = String::from_utf8_lossy(&sinew(&["completions", "bash"]).stdout).into_owned();
+    let pages = sinew(&["man", text(folder.path())]);
+    assert!(pages.status.success(), "{}", words(&pages));
+    for command in ["run", "graph", "export", "scene-docs"] {
+        assert!(
+            said.contains(&format!("sinew__{}", command.replace('-', "__"))) || said.contains(command),
+            "{command}"
+        );
+        let page = ok(std::fs::read_to_string(folder.path().join(format!("sinew-{command}.1"))));
+        assert!(page.contains(".SH SYNOPSIS"), "{page}");
+    }
+}
+
+#[test]
+fn a_graph_takes_no_times_of_another_scene() {
+    let folder = ok(tempfile::tempdir());
+    let (out, trace) = (folder.path().join("run"), folder.path().join("run/trace.json"));
+    let short = ["--steps", "2", "--set", "domain.cell=4 mm", "-q", "--trace", "--threads", "1"];
+    let ran = sinew(&[&["run", "problems/two-spheres", "--out", text(&out)], &short[..]].concat());
+    assert!(ran.status.success(), "{}", words(&ran));
+    let graph = |scene: &str| sinew(&["graph", scene, "--trace", text(&trace)]);
+    // the scene that ran lies beside the trace
+    let own = graph(text(&out.join("scene.toml")));
+    assert!(own.status.success(), "{}", words(&own));
+    let other = graph("problems/two-spheres");
+    assert_eq!(other.status.code(), Some(2));
+    assert!(words(&other).contains("is the trace of another scene than"), "{}", words(&other));
+}
+
+#[test]
+fn a_wound_is_not_measured_where_failure_is_not_shown() {
+    let folder = ok(tempfile::tempdir());
+    let out = folder.path().join("run");
+    let short = ["--steps", "2", "--set", "domain.cell=3 mm", "-q", "--threads", "1"];
+    let fields = ["--set", "output.fields=[\"mass\"]"];
+    let ran = sinew(&[&["run", "problems/slab-quick", "--out", text(&out)], &short[..], &fields].concat());
+    assert!(ran.status.success() && words(&ran).contains("do not show `failure`"), "{}", words(&ran));
+    assert!(out.join("section.png").exists(), "pictures are drawn in any case");
+    let wound = sinew(&["wound", text(&out)]);
+    assert!(wound.status.code() == Some(2) && words(&wound).contains("output.fields"), "{}", words(&wound));
+}
+
+#[test]
 fn check_predicts_without_running() {
     let output = sinew(&["check", "problems/slab-quick"]);
     let words = words(&output);
-    for word in ["27648 particles", "memory", "wall time", "steps"] {
+    let more = ["21 frames of up to", "thinnest slab: 6.0 cells across", "displacement, velocity"];
+    for word in ["27648 particles", "memory", "wall time", "steps"].into_iter().chain(more) {
         assert!(words.contains(word), "{words}");
     }
+    let free = sinew(&["check", "problems/slab-quick", "--validate-only", "--set", "contact=[]"]);
+    assert!(
+        self::words(&free).contains("no contact tissue and lead pass through each other"),
+        "{}",
+        self::words(&free)
+    );
+    let early =
+        ["body.bullet.velocity=[0, \"-300 m/s\", 0]", "run.until=1 ms"].map(|set| ["--set", set]).concat();
+    let early = sinew(&[&["check", "problems/slab-quick", "--validate-only"], &early[..]].concat());
+    assert!(
+        self::words(&early).contains("unhindered it reaches the end of the domain after"),
+        "{}",
+        self::words(&early)
+    );
     let tool = sinew(&["check", "problems/hertz", "--validate-only"]);
     assert!(self::words(&tool).contains("sphere: a shape without particles"), "a tool");
 }

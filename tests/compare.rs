@@ -117,8 +117,15 @@ fn the_command_compares_runs_and_files() {
     ];
     says([&one, &other], &[], 1, &facts[1..]);
     says([&one, &other], &["--tolerance", "velocity=1e-9"], 1, &["velocity.y is 0e0 and"]);
-    let loose =
-        ["velocity=1e-2", "position=1e-6", "pressure=10", "von_mises=10", "volume_ratio=1e-3", "history=inf"];
+    let loose = [
+        "velocity=1e-2",
+        "position=1e-6",
+        "displacement=1e-6",
+        "pressure=10",
+        "von_mises=10",
+        "volume_ratio=1e-3",
+        "history=inf",
+    ];
     let loose: Vec<&str> = loose.iter().flat_map(|text| ["--tolerance", text]).collect();
     let only_frames = [&one.join("particles.vtkhdf"), &other.join("particles.vtkhdf")];
     says(

@@ -155,7 +155,7 @@ fn lines_between_patches_and_ranks_are_those_that_particles_touch() {
 fn the_outline_of_a_scene_is_what_a_simulation_begins_with() {
     let shown = shown("slab-quick", &[], [2, 1, 2], 1);
     let mut scene = shown.scene.clone();
-    (scene.run.patches, scene.run.threads) = (Some([2, 1, 2]), Some(1));
+    (scene.run.patches, scene.run.threads) = (Some(scene::Patches::Grid([2, 1, 2])), Some(1));
     let simulation = common::start(scene);
     let whole = grid::Partition::alone(4);
     assert_eq!(engine::exec::traffic::count(&simulation.warehouse, &whole), shown.plan.traffic);

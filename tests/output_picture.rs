@@ -45,6 +45,7 @@ fn scene() -> Scene {
     };
     let checkpoint = Checkpoint { steps: None, time: None, wall: 0.0, at_end: true, kept: 1 };
     Scene {
+        probes: vec![],
         name: "slab".into(),
         title: "A fragment through a slab of heart muscle, 50 m/s".into(),
         domain: Domain { lower: [0.0; 3], cells: [50, 42, 50], cell: 2.0 * H },
@@ -70,7 +71,7 @@ fn scene() -> Scene {
             patches: None,
             threads: None,
         },
-        output: Output { frames: 1, history_every: 1, checkpoint, wound: Some(wound) },
+        output: Output { frames: 1, fields: vec![], history_every: 1, checkpoint, wound: Some(wound) },
         lines: Default::default(),
         resolved: String::new(),
     }
@@ -130,8 +131,12 @@ fn snapshot(shot: bool) -> Snapshot {
             add(1, [25.0 * MM + a, middle + b, 25.0 * MM + c], f32::NAN, tip as f32, 50.0);
         }
     }
-    let field =
-        |name: &str, unit: &str, components| Field { name: name.into(), unit: unit.into(), components };
+    let field = |name: &str, unit: &str, components| Field {
+        name: name.into(),
+        unit: unit.into(),
+        components,
+        ..Field::default()
+    };
     s.columns = vec![
         (field("failure", "1", 1), failure),
         (field("plastic_strain", "1", 1), plastic),

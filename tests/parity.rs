@@ -11,7 +11,7 @@ type Layout = ([usize; 3], usize);
 const LAYOUTS: [Layout; 4] = [([1, 1, 1], 1), ([2, 1, 2], 2), ([3, 2, 1], 4), ([6, 5, 4], 3)];
 
 fn simulate(mut scene: Scene, (patches, threads): Layout, isa: Isa) -> (u64, Report) {
-    (scene.run.patches, scene.run.threads) = (Some(patches), Some(threads));
+    (scene.run.patches, scene.run.threads) = (Some(scene::Patches::Grid(patches)), Some(threads));
     let mut simulation = Simulation::new(scene, isa).unwrap_or_else(|e| panic!("{e}"));
     let report = finish(&mut simulation).unwrap_or_else(|e| panic!("{e}"));
     (simulation.state_hash(), report)
@@ -155,7 +155,7 @@ fn particles_that_leave_are_deleted_the_same_way_everywhere() {
 fn a_particle_that_must_not_leave_is_named_with_its_patch_and_time() {
     let error = |layout: Layout| {
         let mut scene = cloud(&[("run.leaving", "error")]);
-        (scene.run.patches, scene.run.threads) = (Some(layout.0), Some(layout.1));
+        (scene.run.patches, scene.run.threads) = (Some(scene::Patches::Grid(layout.0)), Some(layout.1));
         let mut simulation = Simulation::new(scene, Isa::detect()).unwrap_or_else(|e| panic!("{e}"));
         match finish(&mut simulation) {
             Err(error) => (error.to_string(), error),

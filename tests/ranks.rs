@@ -9,7 +9,7 @@ use engine::exec::ranks::local::Local;
 use engine::schema::Label;
 use proptest::prelude::*;
 use runner::runner;
-use scene::Scene;
+use scene::{Patches, Scene};
 use simd::Isa;
 use sinew::simulation::{Report, RunError, Simulation};
 use tasks::labels;
@@ -22,7 +22,7 @@ fn alone(scene: &Scene) -> (u64, Report) {
 /// The same, with something done to it after each step.
 fn alone_with(scene: &Scene, after: impl Fn(&mut Simulation)) -> (u64, Report) {
     let mut scene = scene.clone();
-    (scene.run.patches, scene.run.threads) = (Some([1; 3]), Some(1));
+    (scene.run.patches, scene.run.threads) = (Some(Patches::Grid([1; 3])), Some(1));
     let mut simulation = Simulation::new(scene, Isa::detect()).unwrap_or_else(|e| panic!("{e}"));
     while simulation.step().unwrap_or_else(|e| panic!("{e}")) {
         after(&mut simulation);
@@ -53,7 +53,7 @@ fn on_ranks(
 fn a_rank_that_cannot_wait_stops_all_of_them_within_a_step() {
     for (rates, stops) in [("per-material", true), ("common", false)] {
         let mut scene = problem("slab-quick", &[("run.rates", rates), ("run.steps", "3")]);
-        (scene.run.patches, scene.run.threads) = (Some([2, 1, 2]), Some(1));
+        (scene.run.patches, scene.run.threads) = (Some(Patches::Grid([2, 1, 2])), Some(1));
         let results = on_ranks(&scene, 3, |simulation| {
             let impatient = simulation.network().rank() == 2;
             simulation.set_impatience(Box::new(move || impatient));
@@ -98,7 +98,7 @@ fn steps(simulation: &mut Simulation) -> Result<(), RunError> {
 
 fn same(scene: &Scene, patches: [usize; 3], ranks: usize, threads: usize, wanted: &(u64, Report)) {
     let mut scene = scene.clone();
-    (scene.run.patches, scene.run.threads) = (Some(patches), Some(threads));
+    (scene.run.patches, scene.run.threads) = (Some(Patches::Grid(patches)), Some(threads));
     check(&on_ranks(&scene, ranks, steps), wanted)
         .unwrap_or_else(|error| panic!("{patches:?} on {ranks} ranks of {threads} threads: {error}"));
 }
@@ -193,7 +193,7 @@ fn random_patches_and_ranks_that_change_do_not_change_a_bit() {
         println!("{} deleted, {} reflected", wanted.1.deleted, wanted.1.reflected);
         let result = runner(8).run(&layout(), |(patches, ranks, threads, step, maps)| {
             let mut scene = scene.clone();
-            (scene.run.patches, scene.run.threads) = (Some(patches), Some(threads));
+            (scene.run.patches, scene.run.threads) = (Some(Patches::Grid(patches)), Some(threads));
             let march = |simulation: &mut Simulation| {
                 simulation.set_ranks(maps[0].clone())?;
                 while simulation.step()? {
@@ -232,7 +232,7 @@ fn particles_that_jump_over_ranks_arrive() {
     let wanted = alone_with(&scene, gust);
     assert_ne!(wanted.0, alone(&scene).0);
     let mut scene = scene;
-    (scene.run.patches, scene.run.threads) = (Some([5, 1, 1]), Some(1));
+    (scene.run.patches, scene.run.threads) = (Some(Patches::Grid([5, 1, 1])), Some(1));
     for ranks in [2, 5] {
         let march = |simulation: &mut Simulation| {
             while simulation.step()? {
@@ -253,7 +253,7 @@ fn errors_of_one_rank_are_the_same_on_all() {
     );
     let one = |ranks: usize| {
         let mut scene = scene.clone();
-        (scene.run.patches, scene.run.threads) = (Some([2, 2, 1]), Some(1));
+        (scene.run.patches, scene.run.threads) = (Some(Patches::Grid([2, 2, 1])), Some(1));
         on_ranks(&scene, ranks, steps)
             .into_iter()
             .map(|result| match result {
@@ -270,7 +270,7 @@ fn errors_of_one_rank_are_the_same_on_all() {
 #[test]
 fn more_ranks_than_patches_are_refused_with_a_remedy() {
     let mut scene = scene(CROSSING, &[]);
-    scene.run.patches = Some([2, 1, 1]);
+    scene.run.patches = Some(Patches::Grid([2, 1, 1]));
     for result in on_ranks(&scene, 3, steps) {
         let error = result.map(|_| ()).expect_err("3 ranks cannot share 2 patches").to_string();
         assert!(error.contains("3 ranks") && error.contains("--patches"), "{error}");
@@ -281,7 +281,7 @@ fn more_ranks_than_patches_are_refused_with_a_remedy() {
 fn patches_move_to_where_the_work_is_borne_evenly() {
     let mut scene = shot(&[("run.rebalance-every", "1000")]);
     let wanted = alone(&scene);
-    (scene.run.patches, scene.run.threads) = (Some([4, 1, 4]), Some(1));
+    (scene.run.patches, scene.run.threads) = (Some(Patches::Grid([4, 1, 4])), Some(1));
     let march = |simulation: &mut Simulation| {
         // one rank has nearly all
         simulation.set_ranks((0..16).map(|patch| u32::from(patch == 15)).collect())?;

@@ -48,7 +48,7 @@ fn traced(path: &Path, graph: &TaskGraph, ranks: usize, many: usize) {
             scope.spawn(move || {
                 let recorder = Recorder::new(2, 100_000);
                 record(graph, &recorder, many * rank.rank());
-                write(path, &[graph], &recorder, &mut rank).unwrap_or_else(|e| panic!("{e}"));
+                write(path, "it", &[graph], &recorder, &mut rank).unwrap_or_else(|e| panic!("{e}"));
             });
         }
     });
@@ -172,7 +172,7 @@ fn events_that_do_not_fit_are_counted_to_the_end() {
     let (path, graph) = (folder.path().join("trace.json"), graph());
     let recorder = Recorder::new(2, 4);
     record(&graph, &recorder, 10);
-    write(&path, &[&graph], &recorder, &mut Alone).unwrap_or_else(|e| panic!("{e}"));
+    write(&path, "it", &[&graph], &recorder, &mut Alone).unwrap_or_else(|e| panic!("{e}"));
     let measured = read(&path).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(measured.lost, 2 * 6 - 4 + 2 * 11 - 4);
     assert!(measured.table().contains("did not fit"));
@@ -193,7 +193,7 @@ fn what_is_no_trace_is_refused_in_words() {
     assert!(missing.contains("cannot open") && missing.contains("none.json"), "{missing}");
     let graph = graph();
     let unwritable =
-        write(&folder.path().join("no/such/trace.json"), &[&graph], &Recorder::new(1, 1), &mut Alone);
+        write(&folder.path().join("no/such/trace.json"), "it", &[&graph], &Recorder::new(1, 1), &mut Alone);
     assert!(unwritable.expect_err("no folder").to_string().contains("cannot create"));
 }
 

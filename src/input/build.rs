@@ -5,6 +5,7 @@ use super::error::{Fault, Outcome, all, both};
 use super::fields::FACES;
 use super::meetings::{contacts, drives, forces, motion};
 use super::moved::RIGID;
+use super::probes::probes;
 use super::references;
 use super::shapes::{solid, unit_vector};
 use physics::faces::AnyFaceCondition;
@@ -38,10 +39,11 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
     let contacts = contacts(root.get("contact"), &materials);
     let forces = forces(root.get("force"), &materials, root.get("body"));
     let drives = drives(root.get("drive"), &materials, root.get("body"));
+    let probes = probes(root.get("probe"), &materials, root.get("body"));
     let faces = face_conditions(root.get("boundary"));
     let output = output(root.get("output"), &materials, domain.cell);
-    let (((bodies, contacts), (forces, drives)), (faces, output)) =
-        both(both(both(bodies, contacts), both(forces, drives)), both(faces, output))?;
+    let (((bodies, contacts), (forces, drives)), (faces, (output, probes))) =
+        both(both(both(bodies, contacts), both(forces, drives)), both(faces, both(output, probes)))?;
     Ok(Scene {
         name: String::new(),
         title: root.get("title").word().to_owned(),
@@ -51,6 +53,7 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
         faces,
         forces,
         drives,
+        probes,
         loads: Loads {
             gravity: choose::in_time(load.get("gravity")),
             damping: load.get("damping").number(),
@@ -262,14 +265,19 @@ fn run(given: &Node) -> Run {
             _ => Leaving::Error,
         },
         rebalance_every: given.get("rebalance-every").count(),
-        patches: given.find("patches").map(Node::counts),
+        patches: given.find("patches").map(patches),
         threads: given.find("threads").map(Node::count),
     }
+}
+
+fn patches(given: &Node) -> Patches {
+    if given.items().is_empty() { Patches::Total(given.count()) } else { Patches::Grid(given.counts()) }
 }
 
 fn output(given: &Node, materials: &[Material], cell: f64) -> Outcome<Output> {
     Ok(Output {
         frames: given.get("frames").count(),
+        fields: super::shown::fields(given.find("fields"), materials)?,
         history_every: given.get("history-every").count(),
         checkpoint: checkpoint(given.get("checkpoint")),
         wound: given.find("wound").map(|given| wound(given, materials, cell)).transpose()?,

@@ -19,12 +19,13 @@ pub(super) fn complete(node: &Node, form: &Form, path: &str) -> Outcome<Node> {
             let one = complete(node, &Form::Count(*range), path)?;
             Data::List(vec![one.clone(), one.clone(), one])
         }
-        (Form::Counts(range), Data::List(items)) if items.len() == 3 => {
+        (Form::Patches(range), Data::Integer(n)) => Data::Integer(count(*n, *range, node.place, path)?),
+        (Form::Counts(range) | Form::Patches(range), Data::List(items)) if items.len() == 3 => {
             list(items, &Form::Count(*range), path)?
         }
         (Form::Threads, Data::Integer(n)) => Data::Integer(threads(*n, node.place, path)?),
         (Form::Threads, Data::Huge(n, _)) => return Err(wrong_threads(n, cores(), node.place, path)),
-        (Form::Count(range) | Form::Counts(range), Data::Huge(n, _)) => {
+        (Form::Count(range) | Form::Counts(range) | Form::Patches(range), Data::Huge(n, _)) => {
             return Err(wrong_count(n, &range.limits(), node.place, path));
         }
         (Form::Choice(words), Data::Text(text)) => Data::Text(choice(text, words, node.place, path)?),

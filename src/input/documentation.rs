@@ -19,14 +19,13 @@ descriptions by which scenes are read; what is not on it is an error in a scene.
 give themselves. Without a value the key is removed.
 - A *vector in time* is `[x, y, z]`, or rows `[[time, x, y, z], ...]` with ascending times: linear between the rows, \
 constant before and after them. A *number in time* is a number, or rows `[[time, number], ...]`.
-
-";
+- ";
 
 const EXAMPLE: &str = include_str!("../../problems/two-spheres/scene.toml");
 
 /// The page on scene files, as Markdown: every field with its meaning, unit, range and default, and an example.
 pub fn documentation() -> String {
-    let mut page = Page(INTRODUCTION.to_owned());
+    let mut page = Page(format!("{INTRODUCTION}{}\n\n", super::moduli::WORDS));
     page.units();
     page.fields(SCENE);
     for field in SCENE {
@@ -176,6 +175,9 @@ fn accepts(form: &Form) -> String {
         }
         Form::Count(counts) => format!("an integer, {}", counts.words()),
         Form::Counts(counts) => format!("an integer or three, each {}", counts.words()),
+        Form::Patches(counts) => {
+            format!("an integer in all, or three along the axes, each {}", counts.words())
+        }
         Form::Threads => format!(
             "an integer, 1 to {THREADS}, or to {THREADS_A_CORE} for each core that the process may use, whichever is more"
         ),
@@ -184,6 +186,7 @@ fn accepts(form: &Form) -> String {
         Form::InTime(dimension) => with_unit("a vector in time", *dimension),
         Form::NumberInTime(dimension) => with_unit("a number in time", *dimension),
         Form::List(form) if std::ptr::eq(*form, &SHAPE) => "shapes".into(),
+        Form::List(Form::Text) => "an array of names".into(),
         Form::List(_) => "tables".into(),
         Form::Named(_) => "named tables".into(),
         Form::One(cases) => keyed(cases).join(", "),

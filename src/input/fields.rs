@@ -3,6 +3,7 @@ use super::form::{
     Absent, Case, Counts, Field, Form, Options, Range, any, count_from, not_negative, positive,
 };
 use super::moved::{DRIVE, FORCE, RIGID, RIGID_FIELDS};
+use super::probes::PROBE;
 use super::shapes::SHAPE;
 use physics::parameter::Dimension::{
     Acceleration, Angle, AngularVelocity, Density, Length, One, Rate, Time, Velocity,
@@ -12,7 +13,7 @@ use physics::{contact, faces, materials};
 const ZERO: Absent = Absent::Vector([0.0; 3]);
 const POINT: Form = Form::Vector(Length, 3);
 const DIRECTION: Form = Form::Vector(One, 3);
-const COUNTS: Form = Form::Counts(Counts { least: 1, most: 1 << 20 });
+const PATCHES: Form = Form::Patches(Counts { least: 1, most: 1 << 20 });
 
 /// The whole scene.
 pub(super) static SCENE: &[Field] = &[
@@ -50,6 +51,12 @@ pub(super) static SCENE: &[Field] = &[
         Form::List(&Form::Table(FORCE)),
         Absent::Empty,
         "Forces on parts of bodies, tractions and pressures on their surfaces.",
+    ),
+    Field::with_default(
+        "probe",
+        Form::List(&Form::Table(PROBE)),
+        Absent::Empty,
+        "What is followed in time, of a particle or over a region: columns `probe.NAME.FIELD` of `history.csv`.",
     ),
     Field::required("run", Form::Table(RUN), "Numerics."),
     Field::with_default("output", Form::Table(OUTPUT), Absent::Empty, "What to write."),
@@ -257,7 +264,11 @@ static RUN: &[Field] = &[
         "Every so many steps patches move to other ranks, if their measured costs say that it pays; 0: never. It changes \
         no bit of the result.",
     ),
-    Field::optional("patches", COUNTS, "Patches along each axis; absent: chosen from the number of threads."),
+    Field::optional(
+        "patches",
+        PATCHES,
+        "Patches: about so many in all, cut where the particles are, or so many along each axis; absent: eight for each thread.",
+    ),
     Field::optional(
         "threads",
         Form::Threads,
@@ -287,6 +298,12 @@ static OUTPUT: &[Field] = &[
         Absent::Count(20),
         "Frames of `particles.vtkhdf` over the whole run, \
         besides the first; 0: none at all.",
+    ),
+    Field::optional(
+        "fields",
+        Form::List(&Form::Text),
+        "What a frame shows of each particle, of the names in [FIELDS.md](FIELDS.md); absent: those that are marked there, as far \
+        as a material has them. It stays as it is over a restart.",
     ),
     Field::with_default(
         "history-every",

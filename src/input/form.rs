@@ -40,6 +40,8 @@ pub(super) enum Form {
     Count(Counts),
     /// One count for all axes, or one for each.
     Counts(Counts),
+    /// Patches: one count in all, or one for each axis.
+    Patches(Counts),
     /// Threads of a process: see [`most_threads`].
     Threads,
     Choice(&'static [&'static str]),
@@ -257,7 +259,7 @@ impl Form {
         match self {
             Form::Number(range) => super::units::name(range.dimension).to_owned(),
             Form::Count(_) | Form::Threads => "an integer".into(),
-            Form::Counts(_) => "an integer or an array of three".into(),
+            Form::Counts(_) | Form::Patches(_) => "an integer or an array of three".into(),
             Form::Choice(_) | Form::Text => "a string".into(),
             Form::Flag => "true or false".into(),
             Form::Material => "the name of a material".into(),

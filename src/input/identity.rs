@@ -15,9 +15,11 @@ pub fn fingerprint(resolved: &str) -> String {
     format!("{:032x}", hasher.finish_128())
 }
 
-/// The first key by which the physics of two resolved scenes differ, with what each says.
+/// The first key by which a run of one resolved scene cannot go on as one of the other, with what each says: its physics,
+/// and what its frames show, which is one for all of a run.
 pub fn first_difference(one: &str, other: &str) -> Option<String> {
-    let (one, other) = (values(one), values(other));
+    let all = |resolved: &str| [values(resolved), shown(resolved)].concat();
+    let (one, other) = (all(one), all(other));
     let same = one.iter().zip(&other).take_while(|(a, b)| a == b).count();
     match (one.get(same), other.get(same)) {
         (None, None) => None,
@@ -42,6 +44,13 @@ fn values(resolved: &str) -> Vec<(String, String)> {
         Err(_) => found.push((String::new(), resolved.to_owned())),
     }
     found
+}
+
+/// What frames show, if the scene says so.
+fn shown(resolved: &str) -> Vec<(String, String)> {
+    let table = resolved.parse::<toml::Table>().unwrap_or_default();
+    let fields = table.get("output").and_then(|output| output.get("fields"));
+    fields.map(|fields| ("output.fields".to_owned(), fields.to_string())).into_iter().collect()
 }
 
 fn visit(path: &str, value: &toml::Value, found: &mut Vec<(String, String)>) {

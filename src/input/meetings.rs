@@ -124,7 +124,12 @@ fn drive(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> 
 }
 
 /// The part of a material that a table means by `region` or `body`.
-fn region(given: &Node, material: usize, materials: &[Material], bodies: &Node) -> Outcome<Region> {
+pub(super) fn region(
+    given: &Node,
+    material: usize,
+    materials: &[Material],
+    bodies: &Node,
+) -> Outcome<Region> {
     match (given.find("region"), given.find("body")) {
         (None, None) => Ok(Region::All),
         (Some(shape), None) => solid(shape).map(Region::Solid),

@@ -1,10 +1,10 @@
 //! Reads scene files.
 use super::document::{self, Data, Entry, Node, parse};
-use super::error::{Outcome, SceneError, all};
+use super::error::{Outcome, SceneError, all, both};
 use super::fields::SCENE;
 use super::form::Form;
 use super::source::Source;
-use super::{blame, build, check, meshes, references, validate};
+use super::{blame, build, check, meshes, moduli, references, validate};
 use scene::Scene;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -120,8 +120,9 @@ fn read_from(
         let mut root = parse(&sources[0])?;
         let used = overrides.iter().enumerate().filter(|(index, _)| Some(*index) != left_out);
         all(used.map(|(index, (key, value))| document::set(&mut root, key.trim(), value.trim(), index + 1)))?;
-        let completed = check::complete(&root, &Form::Table(SCENE), "");
-        let mut root = completed.map_err(|fault| fault.and(references::check(&root)))?;
+        let converted = moduli::convert(&mut root);
+        let completed = both(converted, check::complete(&root, &Form::Table(SCENE), ""));
+        let ((), mut root) = completed.map_err(|fault| fault.and(references::check(&root)))?;
         meshes::locate(&mut root, folder)?;
         Ok((build::scene(&root)?, root))
     };

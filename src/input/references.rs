@@ -10,14 +10,15 @@ pub(super) fn check(root: &Node) -> Outcome<()> {
         root.find("material").map_or(&[][..], Node::entries).iter().map(|e| &*e.key).collect();
     let bodies: Vec<&str> =
         list("body").iter().filter_map(|body| text(body, "name")).map(Node::word).collect();
-    let made_of = ["body", "drive", "force"].into_iter().flat_map(list).filter_map(|it| text(it, "material"));
+    let made_of =
+        ["body", "drive", "force", "probe"].into_iter().flat_map(list).filter_map(|it| text(it, "material"));
     let met =
         list("contact").iter().filter_map(|it| it.find("between")).flat_map(Node::items).filter(is_text);
     let wound = root.find("output").and_then(|output| output.find("wound"));
     let shot = ["target", "projectile"].into_iter().filter_map(|key| text(wound?, key));
     let named =
         made_of.chain(met).chain(shot).map(|given| material(given, materials.iter().copied()).map(drop));
-    let held = ["drive", "force"].into_iter().flat_map(list).filter_map(|it| text(it, "body"));
+    let held = ["drive", "force", "probe"].into_iter().flat_map(list).filter_map(|it| text(it, "body"));
     let held = held.map(|given| body(given, bodies.iter().copied()).map(drop));
     // where there are none at all, that is the fault
     let named = named.filter(|_| !materials.is_empty()).chain(held.filter(|_| !bodies.is_empty()));

@@ -5,7 +5,8 @@ use super::rigid;
 use grid::Level;
 use scene::geometry::overlap;
 use scene::sampling::{cells, exposed_area, inside, points, sample};
-use scene::{Body, Domain, ForceKind, Scene};
+use scene::shown::ProbeOf;
+use scene::{Body, Domain, ForceKind, Region, Scene};
 use std::collections::HashSet;
 use std::ops::Range;
 
@@ -76,7 +77,7 @@ fn bodies(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
     all(scene.bodies.iter().enumerate().map(meets)).map(drop)
 }
 
-/// Drives and forces have particles to act on, and some matter is there at all.
+/// Drives, forces and probes have particles, and some matter is there at all.
 fn regions(scene: &Scene, root: &Node) -> Outcome<()> {
     if !scene.bodies.iter().any(|body| scene.materials[body.material].has_particles()) {
         return Err(Fault::new(root.get("body").place, "the scene has tools and no matter")
@@ -84,7 +85,13 @@ fn regions(scene: &Scene, root: &Node) -> Outcome<()> {
     }
     let drives = scene.drives.iter().map(|it| (it.material, &it.region)).zip(root.get("drive").items());
     let forces = scene.forces.iter().map(|it| (it.material, &it.region)).zip(root.get("force").items());
-    for ((material, region), node) in drives.chain(forces) {
+    let anywhere = Region::All;
+    let probes = scene.probes.iter().map(|it| match &it.of {
+        ProbeOf::Mean(region) | ProbeOf::Largest(region) | ProbeOf::Smallest(region) => (it.material, region),
+        ProbeOf::Nearest(_) => (it.material, &anywhere),
+    });
+    let probes = probes.zip(root.get("probe").items());
+    for ((material, region), node) in drives.chain(forces).chain(probes) {
         let mut bodies = scene.bodies.iter().enumerate().filter(|(_, body)| body.material == material);
         if !bodies.any(|(index, body)| sample(scene, body).any(|x| region.contains(index, x))) {
             let place = node.find("region").or_else(|| node.find("body")).unwrap_or(node).place;

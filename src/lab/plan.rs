@@ -36,7 +36,7 @@ pub fn plan(scene: &Scene, wanted: usize, ranks: usize) -> Result<Plan, String> 
     let warehouse = outline(scene, decomposition.clone());
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
     let mut traffic = traffic::count(&warehouse, &partition);
-    let history = |m: &Material| populate::declared(&m.behavior).history.len() as u64;
+    let history = |m: &Material| m.declared().history.len() as u64;
     let materials = scene.materials.iter().enumerate();
     traffic.of_material = materials.map(|(m, it)| ((labels::History::ID, m), history(it))).collect();
     Ok(Plan { decomposition, partition, traffic })

@@ -2,7 +2,7 @@
 use super::draft;
 use super::error::{Result, io};
 use std::fs::{self, File, OpenOptions};
-use std::io::{self as std_io, ErrorKind, Write};
+use std::io::{self as std_io, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// A new, empty file. What had its name before, a symbolic link among others, is removed, and not what that pointed to. Devices stay, and
@@ -53,9 +53,18 @@ fn vanish(path: &Path) -> std_io::Result<()> {
 /// # Errors
 /// If it cannot be written; the old file, if any, stays.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_by(path, |file| file.write_all(bytes))
+}
+
+/// The same of a file that is made bit by bit.
+///
+/// # Errors
+/// If it cannot be written; the old file, if any, stays.
+pub fn write_by(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> std_io::Result<()>) -> Result<()> {
     let aside = draft::aside(path);
-    let written = create(&aside).and_then(|mut file| {
-        let all = file.write_all(bytes).and_then(|()| file.sync_all());
+    let written = create(&aside).and_then(|file| {
+        let mut file = BufWriter::new(file);
+        let all = write(&mut file).and_then(|()| file.flush()).and_then(|()| file.get_ref().sync_all());
         all.and_then(|()| fs::rename(&aside, path)).map_err(io("write", path))
     });
     if written.is_err() {

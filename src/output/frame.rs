@@ -1,7 +1,7 @@
 //! What a writer of particle files sees of a running simulation.
 
 /// A named array over all particles.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Field {
     /// Name in files, for example `velocity`.
     pub name: String,
@@ -9,6 +9,37 @@ pub struct Field {
     pub unit: String,
     /// Numbers a particle: 1, 3, 6 or 9.
     pub components: usize,
+    /// What it is, in a line.
+    pub meaning: String,
+    /// What its values mean, from 0 on, if they are codes.
+    pub codes: Vec<String>,
+}
+
+/// What all frames of a run show beside positions.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Columns {
+    /// The fields.
+    pub fields: Vec<Field>,
+    /// Names of the materials, in the order of their indices.
+    pub materials: Vec<String>,
+}
+
+impl Columns {
+    /// The same with its fields by name, as HDF5 lists them.
+    pub fn sorted(mut self) -> Self {
+        self.fields.sort_by(|a, b| a.name.cmp(&b.name));
+        self
+    }
+}
+
+/// What the numbers of a field are called: nothing where there is one.
+pub fn part_names(components: usize) -> &'static [&'static str] {
+    match components {
+        1 => &[""],
+        3 => &["x", "y", "z"],
+        6 => &["xx", "yy", "zz", "xy", "yz", "xz"],
+        _ => &["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"],
+    }
 }
 
 /// What a frame says about all its particles together.
@@ -20,8 +51,8 @@ pub struct Head {
     pub step: u64,
     /// Number of particles, of all pieces together.
     pub particles: usize,
-    /// The fields that every piece has.
-    pub fields: Vec<Field>,
+    /// What every piece has.
+    pub columns: Columns,
 }
 
 /// Some particles of a frame: it is written piece by piece, so that nobody has to hold them all.
@@ -33,7 +64,7 @@ pub struct Piece {
     pub materials: Vec<u16>,
     /// Positions [m].
     pub positions: Vec<[f32; 3]>,
-    /// The values of each field of the head, particle by particle, component fastest.
+    /// The values of each field, particle by particle, component fastest.
     pub columns: Vec<Vec<f32>>,
 }
 

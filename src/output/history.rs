@@ -2,6 +2,7 @@
 use super::create::{create, write_whole};
 use super::error::{Result, io};
 use super::plain;
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -13,18 +14,18 @@ pub struct Column {
     /// What, with the material if it is one material's: `tissue.kinetic`.
     pub name: String,
     /// Unit as it is spelled in a name, `m_s` for m/s; empty for counts and words.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
 }
 
 impl Column {
     /// A quantity of the whole run.
     pub fn global(name: &str, unit: &'static str) -> Self {
-        Self { name: name.into(), unit }
+        Self { name: name.into(), unit: unit.into() }
     }
 
     /// A quantity of one material.
     pub fn of(material: &str, name: &str, unit: &'static str) -> Self {
-        Self { name: format!("{material}.{name}"), unit }
+        Self { name: format!("{material}.{name}"), unit: unit.into() }
     }
 
     /// The header: `tissue.kinetic_j`.

@@ -5,6 +5,7 @@
 //! the frames' (<https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/>). It is written anew after
 //! frames, and replaced at once. So whoever looks finds whole frames, at any moment and after any kill; a damaged frame is
 //! one frame; and the index states the digest of every frame, so that no other file passes for it.
+mod about;
 mod found;
 mod frame_file;
 mod index;
@@ -39,6 +40,9 @@ mod name {
     pub const IDENTITY: &str = "id";
     pub const MATERIAL: &str = "material";
     pub const UNIT: &str = "unit";
+    pub const MEANING: &str = "meaning";
+    pub const CODES: &str = "codes";
+    pub const NAMES: &str = "names";
     pub const TIME: &str = "time";
     pub const STEP: &str = "step";
     pub const PARTICLES: &str = "particles";

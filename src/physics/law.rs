@@ -1,5 +1,6 @@
 //! What a constitutive law is to the rest of Sinew: a pure function of one particle's deformation and
 //! history, written once for eight particles at a time.
+use crate::quantities::Quantity;
 use simd::{Mask, Simd};
 
 /// The most numbers of history that a law may keep per particle.
@@ -16,6 +17,29 @@ pub struct Variable {
     pub name: &'static str,
     /// Unit in output files.
     pub unit: &'static str,
+    /// What it is, in a line.
+    pub meaning: &'static str,
+    /// What its values mean, from 0 on, if they are codes.
+    pub codes: &'static [&'static str],
+    /// Whether frames show it if a scene does not say what to show.
+    pub usual: bool,
+}
+
+impl Variable {
+    /// A number that frames show if a scene asks for it.
+    pub const fn new(name: &'static str, unit: &'static str, meaning: &'static str) -> Self {
+        Self { name, unit, meaning, codes: &[], usual: false }
+    }
+
+    /// The same, shown if a scene does not say what to show.
+    pub const fn usual(self) -> Self {
+        Self { usual: true, ..self }
+    }
+
+    /// The same, with values that mean something each.
+    pub const fn codes(self, codes: &'static [&'static str]) -> Self {
+        Self { codes, ..self }
+    }
 }
 
 /// What a scene says of a particle of the undeformed body.
@@ -90,6 +114,9 @@ pub trait Law: Copy + Send + Sync + 'static {
     /// The numbers that a particle carries besides F; at most [`MAX_HISTORY`].
     const HISTORY: &'static [Variable];
 
+    /// What can be shown of its particles beside that and what all particles have.
+    const SHOWN: &'static [Quantity] = &[];
+
     /// Names of what can happen to a particle of this law; at most [`MAX_EVENTS`]. A run tells when and where each happened
     /// first.
     const EVENTS: &'static [&'static str] = &[];
@@ -117,10 +144,12 @@ pub trait Law: Copy + Send + Sync + 'static {
 }
 
 /// What a law declares, as values.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Declared {
     /// [`Law::HISTORY`]
     pub history: &'static [Variable],
+    /// [`Law::SHOWN`]
+    pub shown: &'static [Quantity],
     /// [`Law::EVENTS`]
     pub events: &'static [&'static str],
     /// [`Law::COUNTS`]
@@ -130,7 +159,7 @@ pub struct Declared {
 impl Declared {
     /// What `L` declares.
     pub const fn by<L: Law>() -> Self {
-        Self { history: L::HISTORY, events: L::EVENTS, counts: L::COUNTS }
+        Self { history: L::HISTORY, shown: L::SHOWN, events: L::EVENTS, counts: L::COUNTS }
     }
 }
 

@@ -6,6 +6,7 @@ pub mod law;
 pub mod materials;
 pub mod motion;
 pub mod parameter;
+pub mod quantities;
 pub mod solid;
 pub mod table;
 pub mod tensor;

@@ -1,41 +1,22 @@
 //! What is simulated: a validated scene, everything in SI units, names resolved to indices, geometry ready to sample.
 //! `sinew::input` makes it from TOML.
+mod material;
 pub mod sampling;
+pub mod shown;
 
 use geometry::Solid;
+pub use material::{Behavior, Material, RigidMotion};
 pub use physics::contact::Contact;
 use physics::faces::AnyFaceCondition;
-use physics::materials::AnyLaw;
 pub use physics::motion::{Course, Motion};
 pub use physics::solid as geometry;
 pub use physics::table::Table;
 pub use physics::viscosity::Viscosity;
+use shown::{Probe, Shown};
 use std::collections::BTreeMap;
 
 /// The most materials of a scene: frames name each by 16 bits.
 pub const MOST_MATERIALS: usize = 1 << 16;
-
-impl Material {
-    /// Whether it does not deform.
-    pub fn is_rigid(&self) -> bool {
-        matches!(self.behavior, Behavior::Rigid(_))
-    }
-
-    /// Whether it is a rigid body that contact and loads move.
-    pub fn is_free(&self) -> bool {
-        matches!(self.behavior, Behavior::Rigid(RigidMotion::Free { .. }))
-    }
-
-    /// Whether it is a tool: rigid, with a motion that is prescribed.
-    pub fn is_tool(&self) -> bool {
-        matches!(self.behavior, Behavior::Rigid(RigidMotion::Prescribed { .. }))
-    }
-
-    /// Whether its bodies are filled with particles: those of a tool are only to be seen.
-    pub fn has_particles(&self) -> bool {
-        !matches!(self.behavior, Behavior::Rigid(RigidMotion::Prescribed { visible: false, .. }))
-    }
-}
 
 impl Scene {
     /// What a material fills at the start: the solids of all its bodies.
@@ -45,6 +26,12 @@ impl Scene {
             1 => solids.remove(0),
             _ => Solid::Union(solids),
         }
+    }
+
+    /// Whether somebody wants to know where particles were at the start.
+    pub fn shows_start(&self) -> bool {
+        let frames = self.output.fields.iter().filter(|_| self.output.frames > 0);
+        frames.chain(self.probes.iter().map(|probe| &probe.shown)).any(|shown| shown.from_start)
     }
 
     /// The materials that deform.
@@ -81,6 +68,8 @@ pub struct Scene {
     pub loads: Loads,
     /// What acts on surfaces and parts of bodies.
     pub forces: Vec<Force>,
+    /// What to follow in time.
+    pub probes: Vec<Probe>,
     /// Numerics.
     pub run: Run,
     /// What to write.
@@ -89,6 +78,15 @@ pub struct Scene {
     pub lines: BTreeMap<String, usize>,
     /// The resolved scene as TOML in SI units, defaults filled in, overrides applied (written beside the results).
     pub resolved: String,
+}
+
+/// How many patches the domain is cut into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Patches {
+    /// About so many, where the particles are.
+    Total(usize),
+    /// So many along x, y and z.
+    Grid([usize; 3]),
 }
 
 /// A box of cubic cells.
@@ -100,53 +98,6 @@ pub struct Domain {
     pub cells: [usize; 3],
     /// Edge of a cell [m].
     pub cell: f64,
-}
-
-/// A material: a law and a velocity field.
-#[derive(Clone, Debug)]
-pub struct Material {
-    /// Name in the scene, in tables and in files.
-    pub name: String,
-    /// Density ρ₀ [kg/m³].
-    pub density: f64,
-    /// How it deforms.
-    pub behavior: Behavior,
-}
-
-/// How a material deforms, or that it does not.
-#[derive(Clone, Debug)]
-pub enum Behavior {
-    /// By a constitutive law.
-    Deformable(AnyLaw),
-    /// Not at all.
-    Rigid(RigidMotion),
-}
-
-/// What moves a rigid body. All bodies of a rigid material form one rigid body.
-#[derive(Clone, Debug)]
-pub enum RigidMotion {
-    /// Six degrees of freedom: contact and gravity move it. Initial angular velocity [rad/s].
-    Free {
-        /// ω at the start [rad/s], about the center of mass.
-        angular_velocity: [f64; 3],
-        /// Axes along which it does not move.
-        locked: [bool; 3],
-        /// Axes about which it does not turn.
-        locked_turns: [bool; 3],
-        /// A force at its center in time [N].
-        force: Table,
-    },
-    /// It moves as prescribed, whatever meets it: a tool. It is its shape, and has no particles but to be seen.
-    Prescribed {
-        /// How its center moves.
-        course: Course,
-        /// Angular velocity in time [rad/s].
-        spin: Table,
-        /// Its center at the start [m]; `None`: that of its shape.
-        center: Option<[f64; 3]>,
-        /// Whether particles show where it is.
-        visible: bool,
-    },
 }
 
 /// A piece of matter, filled with particles on the regular lattice of the cells.
@@ -339,7 +290,7 @@ pub struct Run {
     /// Steps between two attempts to balance the load of ranks (0: none).
     pub rebalance_every: u64,
     /// Patches along each axis; `None`: chosen from the number of threads.
-    pub patches: Option<[usize; 3]>,
+    pub patches: Option<Patches>,
     /// Threads; `None`: all cores.
     pub threads: Option<usize>,
 }
@@ -349,6 +300,8 @@ pub struct Run {
 pub struct Output {
     /// Frames of `particles.vtkhdf` over the whole run, besides the first (0: none at all).
     pub frames: usize,
+    /// What they show of each particle.
+    pub fields: Vec<Shown>,
     /// A row of `history.csv` every so many steps.
     pub history_every: u64,
     /// When to write checkpoints.

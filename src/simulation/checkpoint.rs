@@ -1,6 +1,6 @@
 //! A run's state into a checkpoint, and out of it.
 use super::fault::RunError;
-use super::{Ledger, Simulation, layout};
+use super::{Ledger, Simulation, layout, populate};
 use crate::output;
 use crate::output::checkpoint::{self, Head, Part, Reader, Recorded, VERSION};
 use engine::data::rates::Clock;
@@ -94,6 +94,7 @@ impl Simulation {
         let cut = |scene: &Scene, wanted| layout::cut(scene, wanted, &census);
         let fill = |scene: &Scene, warehouse: &mut Warehouse| {
             checkpoint::fill(warehouse, from)?;
+            populate::recall(scene, warehouse);
             // the end of the run may be another one
             let clock: Clock = warehouse.shared.get(Time::ID, 0);
             warehouse.shared.set(Time::ID, 0, Clock { until: scene.run.until, ..clock });

@@ -11,19 +11,19 @@ fn mix(hash: u64, word: u64) -> u64 {
     h ^ h >> 33
 }
 
-/// The sum of a hash of each particle of this rank, all its numbers and its identity: order, patches and threads do not
+/// The sum of a hash of each particle of this rank, its state and its identity: order, patches and threads do not
 /// show. Sums of ranks add up (wrapping).
 pub fn particles(warehouse: &Warehouse) -> u64 {
-    let mut record = Vec::new();
     let mut total = 0u64;
     for (material, block) in warehouse.blocks() {
         let layout = &warehouse.materials[material].layout;
         for particle in 0..block.count {
-            record.clear();
-            block.read(layout, particle, &mut record);
             let identity = block.get(layout, labels::Identity::ID, particle, 0).to_bits();
-            let start = mix(identity, material as u64);
-            total = total.wrapping_add(record.iter().fold(start, |h, x| mix(h, x.to_bits())));
+            let components = |label| (0..layout.width(label)).map(move |component| (label, component));
+            let numbers = layout.state_labels().flat_map(components);
+            let bits =
+                numbers.map(|(label, component)| block.get(layout, label, particle, component).to_bits());
+            total = total.wrapping_add(bits.fold(mix(identity, material as u64), mix));
         }
     }
     total

@@ -1,7 +1,7 @@
 //! How a scene is cut into patches.
 use grid::{BlockIndex, Decomposition, Level};
-use scene::Scene;
 use scene::sampling;
+use scene::{Patches, Scene};
 use std::collections::BTreeMap;
 use tasks::recipes;
 
@@ -29,7 +29,11 @@ pub fn cut(
     census: &[(BlockIndex, u64)],
 ) -> Result<(Decomposition, Vec<u64>), String> {
     let level = level(scene);
-    let counts = scene.run.patches.unwrap_or_else(|| Decomposition::automatic(&level, wanted, census));
+    let counts = match scene.run.patches {
+        Some(Patches::Grid(counts)) => counts,
+        Some(Patches::Total(total)) => Decomposition::automatic(&level, total, census),
+        None => Decomposition::automatic(&level, wanted, census),
+    };
     let decomposition = Decomposition::new(&level, counts)?;
     let loads = decomposition.loads(census);
     Ok((decomposition, loads))

@@ -1,6 +1,5 @@
 //! Accounts of energy and momentum over a run.
 use super::half_step::HalfStep;
-use super::populate::declared;
 use super::report::{Energies, FirstEvent, GiverReport, MaterialReport, Report, as_one};
 use engine::data::exact_sum::ExactSum;
 use engine::data::rates::Clock;
@@ -211,6 +210,8 @@ impl Ledger {
         let boundary_impulse = [0, 1, 2].map(|a| outside().map(|it| it.impulse[a]).sum());
         let boundary_work = outside().map(|it| it.work).sum();
         let mut report = Report {
+            // measured by themselves
+            probes: Vec::new(),
             time: clock.time,
             steps,
             step: clock.tick,
@@ -253,13 +254,13 @@ impl Ledger {
         };
         let energy = values(labels::MaterialEnergy::ID, 0..5);
         let motion = values(labels::MaterialMotion::ID, 0..10);
-        let counts = values(labels::StateCount::ID, 0..MAX_COUNTS).into_iter().map(|count| count as u64);
+        let counts = values(labels::StateCount::ID, 0..MAX_COUNTS + 1);
         let most = |line: &Wide| line.0.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let [x, y, z, left, front, below] =
             shared.get::<[Wide; 6]>(labels::MaterialExtent::ID, material).each_ref().map(most);
         let extent = [[-left, -front, -below], [x, y, z]];
         let largest = shared.get::<[Wide; MAX_HISTORY]>(labels::LargestHistory::ID, material);
-        let law = declared(&scene.materials[material].behavior);
+        let law = scene.materials[material].declared();
         let first = self.first.get(material).copied().unwrap_or_default();
         let vector = |first: usize| [motion[first], motion[first + 1], motion[first + 2]];
         let center = vector(4).map(|c| if motion[0] > 0.0 { c / motion[0] } else { 0.0 });
@@ -284,7 +285,7 @@ impl Ledger {
             extent: extent.as_flattened().iter().all(|x| x.is_finite()).then_some(extent),
             largest: law.history.iter().zip(&largest).map(|(it, line)| (it.name, most(line))).collect(),
             angular_momentum: vector(7),
-            counts: law.counts.iter().copied().zip(counts).collect(),
+            counts: it.counted().map(|(name, place)| (name, counts[place] as u64)).collect(),
             particles: blocks.map(|(_, b)| b.count as u64).sum(),
             first: law.events.iter().copied().zip(first).collect(),
         };

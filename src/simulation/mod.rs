@@ -11,6 +11,7 @@ mod leaving;
 pub mod ledger;
 mod meter;
 pub mod populate;
+mod probes;
 pub mod rates;
 pub mod recorder;
 pub mod report;
@@ -39,6 +40,7 @@ use engine::graph::error::GraphError;
 use engine::program::{Program, Script};
 use engine::schema::{Label, LabelId};
 use grid::{Decomposition, Partition};
+use probes::Probes;
 use scene::{Rates, Scene};
 use simd::Isa;
 use std::path::Path;
@@ -96,6 +98,7 @@ pub struct Simulation {
     steps: u64,
     updates: u64,
     balance: Balance,
+    probes: Probes,
     impatient: Impatience,
 }
 
@@ -150,7 +153,7 @@ impl Simulation {
             populate::empty(&scene, decomposition, partition, labels, program.labels(), tiles);
         fill(&scene, &mut warehouse)?;
         let engine = Engine::new(backend(threads)?, isa, &warehouse);
-        let (ledger, balance) = (Ledger::default(), Balance::default());
+        let (ledger, balance, probes) = (Ledger::default(), Balance::default(), Probes::of(&scene));
         let (steps, updates) = (0, 0);
         Ok(Self {
             scene,
@@ -163,6 +166,7 @@ impl Simulation {
             steps,
             updates,
             balance,
+            probes,
             impatient: Box::new(|| false),
         })
     }
@@ -275,8 +279,9 @@ impl Simulation {
     /// # Errors
     /// A file that cannot be written, or a rank that is gone.
     pub fn write_trace(&mut self, path: &Path) -> output::Result<()> {
-        let Self { engine, program, network, .. } = self;
-        let written = output::trace::write(path, &program.graphs(), engine.trace(), &mut **network);
+        let Self { engine, program, network, scene, .. } = self;
+        let scene = crate::input::identity::fingerprint(&scene.resolved);
+        let written = output::trace::write(path, &scene, &program.graphs(), engine.trace(), &mut **network);
         output::together::agree(&mut **network, written)
     }
 
@@ -309,6 +314,7 @@ impl Simulation {
         engine.execute(report_program, warehouse, &mut **network, &mut Reporting)?;
         let mut report = self.ledger.report(&self.scene, &self.warehouse, self.steps);
         together::count_particles(&mut *self.network, &mut report)?;
+        report.probes = self.probes.measure(&self.scene, &self.warehouse, &mut *self.network)?;
         Ok(report)
     }
 

@@ -10,13 +10,13 @@ use engine::schema::{Label, LabelId, Tiles};
 use grid::{BLOCK, Decomposition, Partition, REACH};
 use nalgebra::{Matrix3, Vector3};
 use physics::contact::cross;
-use physics::law::{Declared, Law, Reference};
+use physics::law::{Law, Reference};
 use physics::materials::WithLaw;
 use scene::{Behavior, Rates, RigidMotion, Scene, sampling};
 use tasks::labels::RigidMotion as RigidMotionLabel;
 use tasks::labels::{
-    Bond, Deformation, DriveIndex, ForceIndex, History, Identity, InitialVolume, Mass, Position,
-    ReferencePosition, SCHEMA, SurfaceArea, Time, UNDEFORMED, Velocity, Volume,
+    Bond, Deformation, DriveIndex, ForceIndex, History, Identity, InitialPosition, InitialVolume, Mass,
+    Position, ReferencePosition, SCHEMA, SurfaceArea, Time, UNDEFORMED, Velocity, Volume,
 };
 use tasks::recipes::{self, Givers};
 use tasks::rigid::state::RigidState;
@@ -41,6 +41,28 @@ pub fn populate(scene: &Scene, warehouse: &mut Warehouse) -> Result<(), RunError
     warehouse.shared.set(Time::ID, 0, clock);
     place_bodies(scene, warehouse);
     Ok(())
+}
+
+/// Tells particles that come from a checkpoint what is known from the start: where they were.
+pub fn recall(scene: &Scene, warehouse: &mut Warehouse) {
+    if !scene.shows_start() {
+        return;
+    }
+    let filled = scene.bodies.iter().filter(|body| scene.materials[body.material].has_particles());
+    // in the order of identities
+    let starts: Vec<[f64; 3]> = filled.flat_map(|body| sampling::sample(scene, body)).collect();
+    let materials = &warehouse.materials;
+    for (material, home) in warehouse.particles.iter_mut().flat_map(|patch| patch.iter_mut().enumerate()) {
+        let layout = &materials[material].layout;
+        for block in &mut home.blocks {
+            for particle in 0..block.count {
+                let identity = block.get(layout, Identity::ID, particle, 0).to_bits();
+                // a crafted checkpoint may have any
+                let start = starts.get(identity as usize).copied().unwrap_or([f64::NAN; 3]);
+                (0..3).for_each(|a| block.set(layout, InitialPosition::ID, particle, a, start[a]));
+            }
+        }
+    }
 }
 
 /// Puts rigid bodies where they are at the start.
@@ -91,26 +113,11 @@ fn nearby(scene: &Scene) -> Option<Nearby> {
 /// The labels that the tasks of `program` need of a material's particles, and those that every run needs.
 pub fn layout_of(scene: &Scene, program: &Program, material: usize) -> ParticleLayout {
     let always = [Identity::ID, Position::ID, Velocity::ID, Mass::ID];
-    let labels = program.particle_labels(material).into_iter().chain(always);
+    let shown = scene.shows_start().then_some(InitialPosition::ID);
+    let labels = program.particle_labels(material).into_iter().chain(always).chain(shown);
     let reference = Reference { fiber: [1.0, 0.0, 0.0], stretch: [1.0; 3] };
     let history = initial_history(&scene.materials[material].behavior, reference);
     ParticleLayout::new(&SCHEMA, labels, [(History::ID, history)].into())
-}
-
-/// What a material's law declares.
-pub fn declared(behavior: &Behavior) -> Declared {
-    match behavior {
-        Behavior::Deformable(law) => law.visit(DeclaredBy),
-        Behavior::Rigid(_) => Declared::default(),
-    }
-}
-
-struct DeclaredBy;
-impl WithLaw for DeclaredBy {
-    type Output = Declared;
-    fn with<L: Law>(self, _law: L) -> Declared {
-        Declared::by::<L>()
-    }
 }
 
 struct Initial(Reference);
@@ -172,6 +179,7 @@ fn add_body(
             record[layout.starts[label.index()]..][..width].copy_from_slice(&numbers[..width]);
         };
         set(Position::ID, &x);
+        set(InitialPosition::ID, &x);
         let turned = cross(body.angular_velocity, std::array::from_fn(|a| x[a] - center[a]));
         set(Velocity::ID, &[0, 1, 2].map(|a| body.velocity[a] + turned[a]));
         set(Mass::ID, &[material.density * volume / j]);

@@ -125,6 +125,8 @@ pub struct Report {
     pub half_step: f64,
     /// Who has given what.
     pub givers: Vec<GiverReport>,
+    /// What the probes of the scene show, component by component.
+    pub probes: Vec<f64>,
     /// Work of boundaries, drives and loads so far [J].
     pub boundary_work: f64,
     /// Impulse of boundaries, drives and loads so far [N s].

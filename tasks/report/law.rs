@@ -2,11 +2,12 @@ use super::add_all;
 use crate::labels::{Deformation, History, InitialVolume, LargestHistory, MaterialEnergy, StateCount};
 use engine::graph::task::{At, Body};
 use physics::law::{Kinematics, Law, MAX_COUNTS, MAX_HISTORY};
+use physics::quantities::COLLAPSED;
 use physics::tensor::{determinant, increment};
 use simd::{Simd, load};
 
-/// Strain, plastic and fracture energy of one material, its particles in each state that its law counts, and the largest of what
-/// its law keeps.
+/// Strain, plastic and fracture energy of one material, its particles in each state that its law counts and those that have
+/// collapsed, and the largest of what its law keeps.
 pub struct ReportLaw<L>(pub L);
 
 engine::task! { Particles task ReportLaw [L: Law] {
@@ -18,7 +19,7 @@ impl<L: Law> Body for ReportLaw<L> {
     #[inline(always)]
     fn run<S: Simd>(&self, at: &At<'_>, mut io: Io<'_>) {
         let zero = S::splat(0.0);
-        let (mut energy, mut counts) = ([zero; 3], [0; MAX_COUNTS]);
+        let (mut energy, mut counts) = ([zero; 3], [0; MAX_COUNTS + 1]);
         let lines = L::HISTORY.len();
         for (tile, (v0, f)) in io.initial_volume.iter().zip(io.deformation.iter()).enumerate() {
             let (v0, f) = (S::load(v0), load(f));
@@ -41,6 +42,8 @@ impl<L: Law> Body for ReportLaw<L> {
             for state in 0..L::COUNTS.len() {
                 counts[state] += (states[state] & at.lanes(tile)).count_ones();
             }
+            let collapsed = kinematics.j.lt(S::splat(COLLAPSED));
+            counts[MAX_COUNTS] += (collapsed & at.lanes(tile)).count_ones();
         }
         add_all(&mut io.energy[0][1..4], energy);
         io.counts[0].iter_mut().zip(counts).for_each(|(sum, n)| sum.add(f64::from(n)));

@@ -24,7 +24,7 @@ use unlocked::unlocked;
 type Layout = ([usize; 3], usize);
 
 fn laid_out(mut scene: Scene, (patches, threads): Layout) -> Scene {
-    (scene.run.patches, scene.run.threads) = (Some(patches), Some(threads));
+    (scene.run.patches, scene.run.threads) = (Some(scene::Patches::Grid(patches)), Some(threads));
     scene
 }
 

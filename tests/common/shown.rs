@@ -18,7 +18,7 @@ pub struct Shown {
 
 pub fn shown(name: &str, overrides: Overrides<'_>, patches: [usize; 3], ranks: usize) -> Shown {
     let mut scene = problem(name, overrides);
-    scene.run.patches = Some(patches);
+    scene.run.patches = Some(scene::Patches::Grid(patches));
     let plan = plan(&scene, 1, ranks).unwrap_or_else(|e| panic!("{e}"));
     let program = step_program(&scene, patches.iter().product()).unwrap_or_else(|e| panic!("{e}"));
     let cycle = rates::at_rest(&scene);

@@ -23,7 +23,7 @@ fn resume(path: &Path, frames: u64) -> sinew::output::Result<(Writer, Vec<String
 }
 
 fn field(name: &str, unit: &str, components: usize) -> Field {
-    Field { name: name.into(), unit: unit.into(), components }
+    Field { name: name.into(), unit: unit.into(), components, ..Field::default() }
 }
 
 /// `n` particles whose numbers tell frame, particle and component.

@@ -197,11 +197,25 @@ has_readers() {
 # Puts first in PATH a python3 that has the readers. False if there is none.
 need_readers() {
     has_readers && return
+    install_python "$venv" 'h5py, vtk' "$wanted_readers" || return 1
+    PATH=$venv/bin:$PATH
+}
+
+# The same with OVITO and PyVista, in a place of their own: $viewers/bin/python3.
+viewers=$target/viewers
+need_viewers() {
+    local wanted=$root/tests/python/viewers.txt
+    [ "$viewers/ready" -nt "$wanted" ] || install_python "$viewers" 'ovito.io, pyvista' "$wanted_readers" "$wanted"
+}
+
+# install_python VENV MODULES REQUIREMENTS...: a Python with packages, in which these modules can be imported.
+install_python() {
+    local venv=$1 modules=$2
+    shift 2
     say "installing Python packages into $venv"
     python3 -m venv --clear "$venv" >&2 &&
         "$venv/bin/python3" -m pip install --quiet --no-input --disable-pip-version-check --retries 2 --timeout 30 \
-            --only-binary :all: --requirement "$wanted_readers" </dev/null >&2 &&
-        "$venv/bin/python3" -c 'import h5py, vtk' >&2 &&
-        touch "$venv/ready" || return 1
-    PATH=$venv/bin:$PATH
+            --only-binary :all: "${@/#/--requirement=}" </dev/null >&2 &&
+        "$venv/bin/python3" -c "import $modules" >&2 &&
+        touch "$venv/ready"
 }

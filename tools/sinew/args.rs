@@ -18,8 +18,8 @@ pub struct Changes {
     /// Threads (default: all cores)
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
-    /// Patches along x, y and z, for example 2x1x2 (a run cuts eight a thread by itself)
-    #[arg(long, value_name = "AxBxC")]
+    /// Patches along x, y and z, for example 2x1x2, or in all, for example 16 (a run cuts eight a thread by itself)
+    #[arg(long, value_name = "N|AxBxC")]
     pub patches: Option<String>,
     /// Stop after N steps
     #[arg(long, value_name = "N")]
@@ -49,7 +49,11 @@ impl Changes {
         set("run.threads", self.threads.map(|n| n.to_string()));
         set("run.steps", self.steps.map(|n| n.to_string()));
         set("run.until", self.until.clone());
-        set("run.patches", self.patches.as_ref().map(|text| format!("[{}]", text.replace(['x', 'X'], ", "))));
+        let patches = |text: &String| match text.contains(['x', 'X']) {
+            true => format!("[{}]", text.replace(['x', 'X'], ", ")),
+            false => text.clone(),
+        };
+        set("run.patches", self.patches.as_ref().map(patches));
         Ok(overrides)
     }
 }
@@ -81,7 +85,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "DIR", conflicts_with = "restart")]
     pub out: Option<PathBuf>,
     /// Go on with the run in DIR from its last whole checkpoint, bit for bit, on any patches, threads and ranks; run.until,
-    /// run.steps, run.leaving and [output] may change, the physics may not
+    /// run.steps, run.leaving and [output] may change, but for output.fields; the physics may not
     #[arg(long, value_name = "DIR")]
     pub restart: Option<PathBuf>,
     /// Stop with a checkpoint before so much time on the clock has passed, for example "23 h", as a batch system's limit

@@ -2,7 +2,7 @@
 use super::args::SceneArgs;
 use super::fail::Failure;
 use super::progress::duration;
-use scene::Scene;
+use scene::{Body, Scene};
 use simd::Isa;
 use sinew::simulation::{Simulation, rates};
 use std::time::{Duration, Instant};
@@ -20,6 +20,9 @@ pub struct Args {
 /// Steps that are tried to predict the wall time: at least so many, and for as long.
 const TRIAL: (u64, Duration) = (5, Duration::from_secs(1));
 
+/// Pairs of materials without contact that are named.
+const MOST_PAIRS: usize = 5;
+
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let scene = args.scene.read()?;
@@ -36,6 +39,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         };
         println!("body           {}: {filled}, of {}", body.name, material.name);
     }
+    println!("output         {}", output(&scene));
+    geometry(&scene).iter().for_each(|line| println!("{line}"));
     if args.validate_only {
         return Ok(());
     }
@@ -85,6 +90,69 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         simulation.threads()
     );
     Ok(())
+}
+
+/// Frames and what they take before they are compressed.
+fn output(scene: &Scene) -> String {
+    if scene.output.frames == 0 {
+        return "no frames".to_owned();
+    }
+    let filled = scene.bodies.iter().filter(|body| scene.materials[body.material].has_particles());
+    let particles: usize = filled.map(|body| scene::sampling::count(scene, body)).sum();
+    let numbers: usize = scene.output.fields.iter().map(|shown| shown.components).sum();
+    // position, identity, material
+    let bytes = particles * (12 + 8 + 2 + 4 * numbers);
+    let names: Vec<&str> = scene.output.fields.iter().map(|shown| shown.name).collect();
+    format!(
+        "{} frames of up to {:.1} MiB each: {}",
+        scene.output.frames + 1,
+        bytes as f64 / f64::from(1 << 20),
+        names.join(", ")
+    )
+}
+
+/// How well the grid resolves the smallest body, what may pass through what, and when a projectile leaves.
+fn geometry(scene: &Scene) -> Vec<String> {
+    let mut lines = Vec::new();
+    let across = |body: &Body| {
+        let (lower, upper) = body.solid.bounds();
+        (0..3).map(|a| (upper[a] - lower[a]) / scene.domain.cell).fold(f64::INFINITY, f64::min)
+    };
+    let filled = scene.bodies.iter().filter(|body| scene.materials[body.material].has_particles());
+    let thinnest = filled.min_by(|a, b| across(a).total_cmp(&across(b)));
+    lines.extend(
+        thinnest.map(|body| format!("thinnest       {}: {:.1} cells across", body.name, across(body))),
+    );
+    let used: Vec<usize> =
+        (0..scene.materials.len()).filter(|&m| scene.bodies_of(m).next().is_some()).collect();
+    let pairs = used.iter().enumerate().flat_map(|(i, &a)| used[i + 1..].iter().map(move |&b| [a, b]));
+    let meets = |pair: &[usize; 2]| scene.contacts.iter().any(|contact| contact.between == *pair);
+    let rigid = |pair: &[usize; 2]| pair.iter().all(|&m| scene.materials[m].is_rigid());
+    let mut free = pairs.filter(|pair| !meets(pair) && !rigid(pair));
+    let name = |pair: [usize; 2]| pair.map(|m| scene.materials[m].name.as_str()).join(" and ");
+    let mut names: Vec<String> = free.by_ref().take(MOST_PAIRS).map(name).collect();
+    match free.count() {
+        0 => {}
+        more => names.push(format!("and {more} more pairs")),
+    }
+    if !names.is_empty() {
+        lines.push(format!("no contact     {} pass through each other", names.join(", ")));
+    }
+    lines.extend(leaves(scene));
+    lines
+}
+
+/// When the projectile of a shot, if nothing stops it, is out of the domain.
+fn leaves(scene: &Scene) -> Option<String> {
+    let wound = scene.output.wound.as_ref()?;
+    let body = scene.bodies_of(wound.projectile).next()?;
+    let (axis, speed) = (wound.axis, wound.direction * body.velocity[wound.axis]);
+    let (lower, upper) = scene::sampling::inside(&scene.domain);
+    let (from, to) = body.solid.bounds();
+    let way = if wound.direction > 0.0 { upper[axis] - to[axis] } else { from[axis] - lower[axis] };
+    let time = way / speed;
+    (speed > 0.0 && time < scene.run.until)
+        .then(|| format!("projectile     {}: unhindered it reaches the end of the domain after {:.3} ms, before the run ends", body.name, 1e3 * time))
 }
 
 /// Time, ticks, steps, and particles moved.

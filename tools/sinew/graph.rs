@@ -6,13 +6,14 @@ use engine::graph::check::hazards;
 use engine::program::{self, Program};
 use grid::{BLOCK, Decomposition, Patch};
 use scene::Scene;
+use sinew::input::identity::fingerprint;
 use sinew::lab::diagram::Chart;
 use sinew::lab::plan::{self, Plan};
 use sinew::output::trace;
 use sinew::output::trace::measured::Measured;
 use sinew::simulation::rates::Cycle;
 use sinew::simulation::{rates, step_program};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Output form.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -83,6 +84,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     outside(["patch", "patches"], args.patch, patches)?;
     outside(["rank", "ranks"], args.rank, args.ranks)?;
     let measured = args.trace.as_deref().map(trace::read).transpose().map_err(Failure::usage)?;
+    if let (Some(file), Some(measured)) = (&args.trace, &measured) {
+        same_scene(file, measured, &scene)?;
+    }
     if args.format == Format::Html {
         // the page is for people: they want the line
         let entries = program.graphs_mut().into_iter().flat_map(|graph| &mut graph.recipe.entries);
@@ -91,6 +95,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     show(args, &scene, &program, &plan, measured.as_ref())
+}
+
+/// Refuses the trace of another scene, if it says of which it is: its times are those of other tasks.
+fn same_scene(file: &Path, measured: &Measured, scene: &Scene) -> Result<(), Failure> {
+    if measured.scene.is_empty() || measured.scene == fingerprint(&scene.resolved) {
+        return Ok(());
+    }
+    Err(Failure::usage(format!(
+        "{} is the trace of another scene than {}: give the scene.toml beside it, or record one of this scene with sinew run --trace",
+        file.display(),
+        scene.name
+    )))
 }
 
 /// Refuses a patch or rank that does not exist.

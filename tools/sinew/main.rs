@@ -3,6 +3,7 @@ mod args;
 mod bench;
 mod check;
 mod compare;
+mod export;
 mod fail;
 mod folder;
 mod graph;
@@ -17,6 +18,7 @@ mod run;
 mod say;
 mod scale;
 mod scene_docs;
+mod shell;
 mod signals;
 mod stop;
 mod wound;
@@ -45,11 +47,14 @@ enum Command {
     Wound(wound::Args),
     Picture(picture::Args),
     Plot(plot::Args),
+    Export(export::Args),
     Compare(compare::Args),
     Bench(bench::Args),
     Scale(scale::Args),
     Ping(ping::Args),
     SceneDocs(scene_docs::Args),
+    Completions(shell::Completions),
+    Man(shell::Manual),
 }
 
 fn main() -> ExitCode {
@@ -86,11 +91,14 @@ fn main() -> ExitCode {
         Command::Wound(args) => wound::run(&args),
         Command::Picture(args) => picture::run(&args),
         Command::Plot(args) => plot::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Scale(args) => scale::run(&args),
         Command::Ping(args) => ping::run(&args, crew),
         Command::SceneDocs(args) => scene_docs::run(&args),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man(args) => shell::manual(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

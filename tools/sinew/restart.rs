@@ -95,7 +95,7 @@ fn same(checkpoint: &Reader, scene: &Scene, isa: Isa, force: bool) -> Result<(),
     if let Some(difference) = first_difference(&head.scene, &scene.resolved) {
         return Err(Failure::usage(format!(
             "{file} is a checkpoint of another scene: {difference}. A restart may change run.until, run.steps, run.leaving, \
-             run.threads, run.patches and what is in [output]; for another scene begin another run"
+             run.threads, run.patches and what is in [output], but not output.fields; for another scene begin another run"
         )));
     }
     for (what, there, here) in

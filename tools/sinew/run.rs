@@ -90,12 +90,11 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
 /// Wound table and pictures, if the scene has them.
 fn show(scene: &Scene, folder: &Path) -> Result<(), Failure> {
     if scene.output.frames > 0 {
-        if scene.output.wound.is_some() {
-            wound::print(folder)?;
-        }
+        let table = scene.output.wound.as_ref().map_or(Ok(()), |_| wound::print(folder));
         for picture in picture::draw(folder, None)? {
             say!("picture        {}", picture.display());
         }
+        return table;
     }
     Ok(())
 }
@@ -196,8 +195,11 @@ fn print_summary(summary: &Summary, place: &str) {
             .failed_fraction
             .as_ref()
             .map_or(String::new(), |f| format!(", failed {:.2} %", 100.0 * f.any));
+        let collapsed = material.more.get("counts").and_then(|counts| counts["collapsed"].as_u64());
+        let collapsed = collapsed.filter(|&n| n > 0);
+        let collapsed = collapsed.map_or(String::new(), |n| format!(", {n} particles collapsed (J < 0.1)"));
         say!(
-            "{name:<14} {} particles, mean velocity ({x:.3}, {y:.3}, {z:.3}) m/s{failed}",
+            "{name:<14} {} particles, mean velocity ({x:.3}, {y:.3}, {z:.3}) m/s{failed}{collapsed}",
             material.particles
         );
     }

@@ -42,7 +42,7 @@ fn report(folder: &Path, frame: Option<usize>) -> Result<Report, Failure> {
     let shown = load(folder, frame)?;
     let first: Option<&dyn Frame> = shown.first.as_ref().map(|first| first as &dyn Frame);
     measure(&shown.scene, first, &shown.frame).map_err(|error| match error {
-        Unmeasured::NoSection => Failure::usage(error),
+        Unmeasured::NoSection | Unmeasured::NoFailure => Failure::usage(error),
         Unmeasured::NoTarget => Failure::Run(error.to_string()),
     })
 }
@@ -60,8 +60,8 @@ pub struct Shown {
 /// Fields that wound and pictures use.
 const FIELDS: [&str; 3] = ["failure", "plastic_strain", "velocity"];
 
-/// Loads frame `frame` (default: the last) of the run in `folder`.
-pub fn load(folder: &Path, frame: Option<usize>) -> Result<Shown, Failure> {
+/// The frames of the run in `folder`.
+pub fn frames_of(folder: &Path) -> Result<Reader, Failure> {
     let file = folder.join("particles.vtkhdf");
     if !file.exists() {
         return Err(Failure::usage(format!(
@@ -69,10 +69,19 @@ pub fn load(folder: &Path, frame: Option<usize>) -> Result<Shown, Failure> {
             folder.display()
         )));
     }
+    Ok(Reader::open(&file)?)
+}
+
+/// The scene of the run in `folder`, as it was run.
+pub fn scene_of(folder: &Path) -> Result<Scene, Failure> {
     // whoever looks at a run needs no threads of its machine
     let threads = ("run.threads".to_owned(), String::new());
-    let scene = sinew::input::read(&folder.join("scene.toml"), &[threads])?;
-    let reader = Reader::open(&file)?;
+    Ok(sinew::input::read(&folder.join("scene.toml"), &[threads])?)
+}
+
+/// Loads frame `frame` (default: the last) of the run in `folder`.
+pub fn load(folder: &Path, frame: Option<usize>) -> Result<Shown, Failure> {
+    let (reader, scene) = (frames_of(folder)?, scene_of(folder)?);
     let last = reader.frames().saturating_sub(1);
     let chosen = frame.unwrap_or(last);
     if chosen > last {

@@ -47,6 +47,11 @@ impl ParticleLayout {
         self.labels.iter().copied()
     }
 
+    /// Those that are the state of particles: all but what is known from the start.
+    pub fn state_labels(&self) -> impl Iterator<Item = LabelId> + Clone + '_ {
+        self.labels().filter(|label| !label.is_known())
+    }
+
     /// Lines a tile of a label.
     #[inline(always)]
     pub fn width(&self, label: LabelId) -> usize {

@@ -57,6 +57,10 @@ impl LabelId {
     pub const fn inert(self) -> Inert {
         self.0.inert
     }
+    /// Whether it is known from the start, and so no part of the state.
+    pub const fn is_known(self) -> bool {
+        self.0.known
+    }
     /// How contributions combine.
     #[inline(always)]
     pub const fn combine(self) -> Combine {

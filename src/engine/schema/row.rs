@@ -96,6 +96,7 @@ pub struct Row {
     pub(super) where_fields_meet: bool,
     pub(super) several: bool,
     pub(super) where_near: bool,
+    pub(super) known: bool,
 }
 
 const fn row(home: Home, life: Life, unit: &'static str, meaning: &'static str) -> Row {
@@ -114,6 +115,7 @@ const fn row(home: Home, life: Life, unit: &'static str, meaning: &'static str) 
         where_fields_meet: false,
         several: false,
         where_near: false,
+        known: false,
     }
 }
 
@@ -161,6 +163,11 @@ impl Row {
     /// Each material decides how many elements a tile has, and what lanes without a particle hold.
     pub const fn by_material(self) -> Self {
         Self { by_material: true, inert: Inert::OfMaterial, ..self }
+    }
+
+    /// What it holds is known from the start of a run: it is there for those who look, no part of the state, and in no checkpoint.
+    pub const fn known(self) -> Self {
+        Self { known: true, ..self }
     }
 
     /// Contributions add up exactly.

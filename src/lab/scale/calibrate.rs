@@ -1,6 +1,5 @@
 //! Costs of the model, from short runs on this machine.
 use super::footprint::Footprint;
-use super::list::Patches;
 use super::load::Ranks;
 use super::measure::{Plan, Reader, measure, resized};
 use super::model::{Costs, PhaseCost, Setup};
@@ -12,6 +11,7 @@ use engine::graph::build::TaskGraph;
 use engine::graph::phase::Phase;
 use engine::graph::task::Domain;
 use engine::schema::{Combine, LabelId};
+use scene::Patches;
 use simd::Wide;
 use std::hint::black_box;
 use std::time::Instant;

@@ -1,29 +1,16 @@
 //! Lists on a command line: what to measure.
-use std::str::FromStr;
+use scene::Patches;
 
 /// The most of anything that is counted on a command line: eight times the product of two of them is a number, and ranks
 /// are numbered by 32 bits.
 pub const MOST: usize = 1 << 24;
 
-/// How many patches: a number to be cut automatically, or a number along each axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Patches {
-    /// About so many, where the particles are.
-    Total(usize),
-    /// So many along x, y and z.
-    Grid([usize; 3]),
-}
-
-impl FromStr for Patches {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parts: Vec<&str> = text.split(['x', 'X']).collect();
-        match parts[..] {
-            [one] => Ok(Self::Total(positive(one)?)),
-            [x, y, z] => Ok(Self::Grid([positive(x)?, positive(y)?, positive(z)?])),
-            _ => Err(format!("{text:?} is neither a number of patches, such as 8, nor AxBxC, such as 2x2x2")),
-        }
+fn one_of_patches(text: &str) -> Result<Patches, String> {
+    let parts: Vec<&str> = text.split(['x', 'X']).collect();
+    match parts[..] {
+        [one] => Ok(Patches::Total(positive(one)?)),
+        [x, y, z] => Ok(Patches::Grid([positive(x)?, positive(y)?, positive(z)?])),
+        _ => Err(format!("{text:?} is neither a number of patches, such as 8, nor AxBxC, such as 2x2x2")),
     }
 }
 
@@ -51,7 +38,7 @@ pub fn counts(text: &str) -> Result<Vec<usize>, String> {
 /// # Errors
 /// What is no list of patches.
 pub fn patches(text: &str) -> Result<Vec<Patches>, String> {
-    unique(text.split(',').map(|part| part.trim().parse()))
+    unique(text.split(',').map(|part| one_of_patches(part.trim())))
 }
 
 fn unique<T: PartialEq>(items: impl Iterator<Item = Result<T, String>>) -> Result<Vec<T>, String> {

@@ -1,10 +1,9 @@
 //! Measures: runs `sinew run` over patches, threads and ranks.
-use super::list::Patches;
 use super::row::{Parts, Row, compare};
 use super::tally::{self, Tally};
 use crate::output::summary::Summary;
 use crate::simulation::layout;
-use scene::Scene;
+use scene::{Patches, Scene};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -116,12 +115,8 @@ impl Open {
         self.overrides = cell(plan, &self.case, read)?;
         let mut scene = read(&self.overrides)?;
         self.row.cell_m = scene.domain.cell;
-        let (grid, wanted) = match self.case.patches {
-            Patches::Grid(grid) => (Some(grid), 1),
-            Patches::Total(wanted) => (None, wanted),
-        };
-        scene.run.patches = grid;
-        self.row.grid = layout::decompose(&scene, wanted)?.0.counts;
+        scene.run.patches = Some(self.case.patches);
+        self.row.grid = layout::decompose(&scene, 1)?.0.counts;
         self.row.patches = self.row.grid.iter().product();
         Ok(())
     }

@@ -51,6 +51,11 @@ pub enum Unmeasured {
     /// No particles of the target.
     #[error("the frame holds no particle of the target material")]
     NoTarget,
+    /// The target can fail, and the frame does not show where.
+    #[error(
+        "the frames do not show `failure`, of which the table is made: add it to output.fields of the scene"
+    )]
+    NoFailure,
 }
 
 /// What is measured, in the coordinates of the shot: two lateral ones and the depth [m].
@@ -78,9 +83,13 @@ pub struct Scale {
 /// Measures the last frame of a run. The first frame tells where particles began.
 ///
 /// # Errors
-/// If the scene is no shot, or the target has no particles.
+/// If the scene is no shot, the target has no particles, or can fail and the frame does not show it.
 pub fn measure(scene: &Scene, first: Option<&dyn Frame>, last: &dyn Frame) -> Result<Report, Unmeasured> {
     let wound = scene.output.wound.as_ref().ok_or(Unmeasured::NoSection)?;
+    let fails = scene.materials[wound.target].declared().history.iter().any(|kept| kept.name == "failure");
+    if fails && last.fields().iter().all(|field| field.name != "failure") {
+        return Err(Unmeasured::NoFailure);
+    }
     let tissue = tissue(wound, first, last);
     if tissue.now.is_empty() {
         return Err(Unmeasured::NoTarget);

@@ -171,9 +171,14 @@ fn block(
     let mut record = Vec::with_capacity(layout.total);
     for row in first..first + count {
         record.clear();
-        for (column, label) in columns.iter().zip(layout.labels()) {
+        let mut columns = columns.iter().peekable();
+        for label in layout.labels() {
             let width = layout.width(label);
-            record.extend_from_slice(&column[row * width..][..width]);
+            match columns.next_if(|_| !label.is_known()) {
+                Some(column) => record.extend_from_slice(&column[row * width..][..width]),
+                // whoever knows it puts it there
+                None => record.resize(record.len() + width, 0.0),
+            }
         }
         block.push(layout, rest, [0.0; 3], &record);
     }

@@ -100,7 +100,7 @@ fn blocks(warehouse: &Warehouse, material: usize) -> impl Iterator<Item = &Parti
 
 /// Names of the labels of a material, and numbers a particle.
 pub(super) fn labels(layout: &ParticleLayout) -> Vec<(String, usize)> {
-    layout.labels().map(|label| (label.name().to_owned(), layout.width(label))).collect()
+    layout.state_labels().map(|label| (label.name().to_owned(), layout.width(label))).collect()
 }
 
 fn write_parts(
@@ -129,12 +129,12 @@ fn write_parts(
 pub fn parts(warehouse: &Warehouse, give: &mut dyn FnMut(Part)) {
     for (material, data) in warehouse.materials.iter().enumerate() {
         let layout = &data.layout;
-        let mut parts = Parts::new(material, layout.labels().count(), &mut *give);
+        let mut parts = Parts::new(material, layout.state_labels().count(), &mut *give);
         for block in blocks(warehouse, material) {
             let extent = extent::largest(&block.extent);
             let row = BlockRow { index: block.index, count: block.count as u32, extent };
             parts.add(row, |at, column| {
-                let Some(label) = layout.labels().nth(at) else { return };
+                let Some(label) = layout.state_labels().nth(at) else { return };
                 let (tiles, width) = (block.column(layout, label), layout.width(label));
                 let tile = |p: usize| &tiles[p / LANES * width..][..width];
                 let numbers = |p: usize| tile(p).iter().map(move |line| line.0[p % LANES]);

@@ -14,7 +14,7 @@ pub fn frame_particles(frame: Snapshot) -> Particles {
     let columns = frame.columns.into_iter().map(|(field, values)| Column {
         label: field.name,
         components: field.components,
-        values: values.into_iter().map(f64::from).collect(),
+        values: in_rows(field.components, values.into_iter().map(f64::from).collect()),
     });
     Particles {
         identities: frame.identities,
@@ -22,6 +22,17 @@ pub fn frame_particles(frame: Snapshot) -> Particles {
         positions,
         columns: std::iter::once(position).chain(columns).collect(),
     }
+}
+
+/// Symmetric tensors row by row (xx, xy, xz, yy, yz, zz), as checkpoints have them, of those that VTK has: xx, yy, zz, xy, yz, xz.
+fn in_rows(components: usize, mut values: Vec<f64>) -> Vec<f64> {
+    if components == 6 {
+        for tensor in values.as_chunks_mut::<6>().0 {
+            let [xx, yy, zz, xy, yz, xz] = *tensor;
+            *tensor = [xx, xy, xz, yy, yz, zz];
+        }
+    }
+    values
 }
 
 /// One material of a checkpoint.

@@ -24,6 +24,8 @@ pub struct Trace {
 struct OtherData {
     #[serde(default)]
     lost_events: u64,
+    #[serde(default)]
+    scene: String,
 }
 
 /// An event.
@@ -92,6 +94,11 @@ impl Trace {
             }
             None => Ok(trace),
         }
+    }
+
+    /// The identity of the scene that ran; empty if the trace does not say it.
+    pub fn scene(&self) -> &str {
+        &self.other_data.scene
     }
 
     /// Events that the recorder had no room for.

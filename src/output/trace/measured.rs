@@ -67,6 +67,8 @@ pub struct Measured {
     pub workers: Vec<Worker>,
     /// Events that the recorder had no room for.
     pub lost: u64,
+    /// The identity of the scene that ran; empty: the trace does not say it.
+    pub scene: String,
 }
 
 impl Measured {

@@ -24,6 +24,7 @@ pub fn read(path: &Path) -> Result<Measured> {
         steps: steps.len() as u64,
         span_ns: last - first,
         lost: trace.lost(),
+        scene: trace.scene().to_owned(),
         ..Measured::default()
     };
     let named = trace.lines.iter().filter(|line| line.is_name());

@@ -17,12 +17,13 @@ const PIECE: usize = 1 << 14;
 const HEAD: usize = 2;
 
 /// Writes what `recorder` has recorded of the graphs of a program, and the recorders of all other ranks, into one file. All ranks must call it
-/// together; rank 0 writes. The recorders go on with empty lists.
+/// together; rank 0 writes. The recorders go on with empty lists. `scene` is the identity of the scene.
 ///
 /// # Errors
 /// A file that cannot be written (on rank 0), or a rank that is gone.
 pub fn write(
     path: &Path,
+    scene: &str,
     graphs: &[&TaskGraph],
     recorder: &Recorder,
     network: &mut dyn Network,
@@ -50,7 +51,7 @@ pub fn write(
         collective::gather(network, message, take)?;
     }
     match writer {
-        Some(writer) if result.is_ok() => writer.finish(),
+        Some(writer) if result.is_ok() => writer.finish(scene),
         _ => result,
     }
 }
@@ -203,9 +204,9 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn finish(mut self) -> Result<()> {
-        let lost = self.lost;
-        self.text(&format!("\n],\n\"otherData\":{{\"lost_events\":{lost}}}}}\n"))?;
+    fn finish(mut self, scene: &str) -> Result<()> {
+        let about = json!({ "lost_events": self.lost, "scene": scene });
+        self.text(&format!("\n],\n\"otherData\":{about}}}\n"))?;
         self.file.flush().map_err(io("write", self.path))
     }
 }

@@ -2,7 +2,7 @@
 use super::index::{self, Index};
 use super::{Entry, file, frame_file};
 use crate::output::error::{Error, Result};
-use crate::output::frame::Field;
+use crate::output::frame::Columns;
 use crate::output::run_id::RunId;
 use crate::output::{draft, seal, space};
 use std::collections::{BTreeSet, HashMap};
@@ -36,7 +36,7 @@ impl Found {
     /// If the index or a frame is there and may not be read, or the folder cannot be written.
     pub fn look(path: &Path, run: RunId, frames: u64) -> Result<Self> {
         writable(path, frames)?;
-        let index = Index { run, fields: Vec::new(), entries: Vec::new() };
+        let index = Index { run, columns: Columns::default(), entries: Vec::new() };
         let mut found = Self {
             index,
             frames,
@@ -52,7 +52,7 @@ impl Found {
         let there = super::numbered(path).into_iter().map(|(number, _)| number);
         let numbers: BTreeSet<u64> = there.chain(entries.keys().copied()).filter(|n| *n < frames).collect();
         for number in numbers {
-            found.frame(&file(path, number), number, entries.remove(&number), &known.fields)?;
+            found.frame(&file(path, number), number, entries.remove(&number), &known.columns)?;
         }
         found.named = found.index.entries == known.entries && path.is_file();
         // what an index of this run does not name was told before
@@ -81,23 +81,23 @@ impl Found {
     }
 
     /// Looks at a frame, which the index has as `entry`, if it has it.
-    fn frame(&mut self, path: &Path, number: u64, entry: Option<Entry>, fields: &[Field]) -> Result<()> {
+    fn frame(&mut self, path: &Path, number: u64, entry: Option<Entry>, columns: &Columns) -> Result<()> {
         let stated = seal::stated(path);
         if let (Ok(digest), Some(entry)) = (&stated, entry)
             && *digest == entry.digest
         {
-            self.take(path, entry, fields);
+            self.take(path, entry, columns);
             return Ok(());
         }
         match stated.and_then(|_| frame_file::describe(path, self.index.run, number)) {
-            Ok((its, fields)) => {
+            Ok((its, columns)) => {
                 if entry.is_some() {
                     let name = path.display();
                     self.warnings.push(format!(
                         "{name}: the index names another frame there; this one is of this run, and kept"
                     ));
                 }
-                self.take(path, its, &fields);
+                self.take(path, its, &columns);
             }
             Err(error) if error.is_denied() => return Err(error),
             Err(error) if error.is_missing() => {
@@ -111,12 +111,12 @@ impl Found {
         Ok(())
     }
 
-    fn take(&mut self, path: &Path, entry: Entry, fields: &[Field]) {
+    fn take(&mut self, path: &Path, entry: Entry, columns: &Columns) {
         if self.index.entries.is_empty() {
-            self.index.fields = fields.to_vec();
+            self.index.columns = columns.clone();
         }
         let later = self.index.entries.last().is_none_or(|last| last.step < entry.step);
-        let problem = match self.index.fields == fields {
+        let problem = match self.index.columns == *columns {
             true if later => return self.index.entries.push(entry),
             true => "it is not later than the frame before it",
             false => "it has other fields",

@@ -1,13 +1,13 @@
 //! The file of one frame.
+use super::about::{columns, describe_field, name_materials, unit};
 use super::{CHUNK, Entry, name};
 use crate::output::draft::Draft;
 use crate::output::error::{Error, Result};
-use crate::output::frame::{Field, Head, Piece};
+use crate::output::frame::{Columns, Field, Head, Piece};
 use crate::output::run_id::RunId;
 use crate::output::seal;
 use crate::output::snapshot::Snapshot;
-use crate::output::stored::{self, Virtual, table, word};
-use hdf5::types::VarLenUnicode;
+use crate::output::stored::{self, Virtual, table};
 use hdf5::{Dataset, File, Group, H5Type};
 use ndarray::ArrayView2;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ impl FrameFile {
             put(&self.columns[0], self.row, 3, piece.positions.as_flattened())?;
             put(&self.columns[1], self.row, 1, &piece.identities)?;
             put(&self.columns[2], self.row, 1, &piece.materials)?;
-            let fields = self.head.fields.iter().zip(&self.columns[3..]).zip(&piece.columns);
+            let fields = self.head.columns.fields.iter().zip(&self.columns[3..]).zip(&piece.columns);
             for ((field, column), values) in fields {
                 put(column, self.row, field.components, values)?;
             }
@@ -81,14 +81,14 @@ impl FrameFile {
 ///
 /// # Errors
 /// If it is damaged, no frame, or one of another run.
-pub fn describe(path: &Path, run: RunId, number: u64) -> Result<(Entry, Vec<Field>)> {
+pub fn describe(path: &Path, run: RunId, number: u64) -> Result<(Entry, Columns)> {
     let digest = seal::verify(path)?;
     let file = stored::open(path, Virtual::Refused)?;
-    let read = || -> hdf5::Result<(Entry, Vec<Field>)> {
+    let read = || -> hdf5::Result<(Entry, Columns)> {
         let [step, particles] = [name::STEP, name::PARTICLES].map(|name| attribute::<u64>(&file, name));
         let (time, particles) = (attribute(&file, name::TIME)?, particles? as usize);
-        let fields = fields(&file.group(name::DATA)?)?;
-        Ok((Entry { number, time, step: step?, particles, digest }, fields))
+        let columns = columns(&file.group(name::DATA)?)?;
+        Ok((Entry { number, time, step: step?, particles, digest }, columns))
     };
     if RunId::read(&file).is_ok_and(|its| its != run) {
         return Err(Error::Content { path: path.into(), problem: "it is a frame of another run".into() });
@@ -128,17 +128,6 @@ fn not_ours(path: &Path, source: &hdf5::Error) -> Error {
     Error::Content { path: path.into(), problem: format!("not a frame of Sinew ({source})") }
 }
 
-/// The fields that a group of columns has.
-pub fn fields(data: &Group) -> hdf5::Result<Vec<Field>> {
-    let ours = |n: &String| n != name::IDENTITY && n != name::MATERIAL;
-    let read = |name: String| {
-        let column = data.dataset(&name)?;
-        let unit = column.attr(name::UNIT)?.read_scalar::<VarLenUnicode>()?.to_string();
-        Ok(Field { name, unit, components: column.shape().get(1).copied().unwrap_or(1) })
-    };
-    data.member_names()?.into_iter().filter(ours).map(read).collect()
-}
-
 fn lay_out(file: &File, head: &Head) -> hdf5::Result<Vec<Dataset>> {
     let n = head.particles;
     file.new_attr::<f64>().create(name::TIME)?.write_scalar(&head.time)?;
@@ -151,9 +140,10 @@ fn lay_out(file: &File, head: &Head) -> hdf5::Result<Vec<Dataset>> {
         column::<u16>(&data, name::MATERIAL, n, 1)?,
     ];
     unit(&columns[0], "m")?;
-    for field in &head.fields {
+    name_materials(&columns[2], &head.columns.materials)?;
+    for field in &head.columns.fields {
         let made = column::<f32>(&data, &field.name, n, field.components)?;
-        unit(&made, &field.unit)?;
+        describe_field(&made, field)?;
         columns.push(made);
     }
     Ok(columns)
@@ -185,11 +175,6 @@ fn put<T: H5Type>(dataset: &Dataset, start: usize, components: usize, values: &[
     dataset.write_slice(rows, (start..end, ..))
 }
 
-/// States the unit of a dataset.
-pub fn unit(dataset: &Dataset, symbol: &str) -> hdf5::Result<()> {
-    dataset.new_attr::<VarLenUnicode>().create(name::UNIT)?.write_scalar(&word(symbol)?)
-}
-
 fn attribute<T: H5Type>(group: &Group, name: &str) -> hdf5::Result<T> {
     group.attr(name)?.read_scalar()
 }
@@ -197,8 +182,8 @@ fn attribute<T: H5Type>(group: &Group, name: &str) -> hdf5::Result<T> {
 /// Bytes that a frame takes if nothing of it can be compressed.
 fn room(head: &Head) -> usize {
     let fixed = size_of::<[f32; 3]>() + size_of::<u64>() + size_of::<u16>();
-    let numbers: usize = head.fields.iter().map(|f| f.components).sum();
+    let numbers: usize = head.columns.fields.iter().map(|f| f.components).sum();
     let rows = head.particles.next_multiple_of(CHUNK.min(head.particles.max(1)));
-    let chunks = (3 + head.fields.len()) * rows.div_ceil(CHUNK);
+    let chunks = (3 + head.columns.fields.len()) * rows.div_ceil(CHUNK);
     rows * (fixed + numbers * size_of::<f32>()) + chunks * CHUNK_ENTRY + SLACK
 }

@@ -1,9 +1,9 @@
 //! The index: what VTK reads, composed of the files of the frames.
-use super::frame_file::{fields, unit};
+use super::about::{columns, describe_field, name_materials, unit};
 use super::{Entry, file_name, name, relative};
 use crate::output::draft::Draft;
 use crate::output::error::{Error, Result};
-use crate::output::frame::Field;
+use crate::output::frame::Columns;
 use crate::output::run_id::RunId;
 use crate::output::seal;
 use crate::output::stored::{self, Virtual, table};
@@ -26,7 +26,7 @@ const CELL_OFFSETS: &str = "Offsets";
 pub struct Index {
     /// Whose frames.
     pub run: RunId,
-    pub fields: Vec<Field>,
+    pub columns: Columns,
     pub entries: Vec<Entry>,
 }
 
@@ -34,10 +34,10 @@ pub struct Index {
 ///
 /// # Errors
 /// If it cannot be written; then the old one stays.
-pub fn write(path: &Path, run: RunId, fields: &[Field], entries: &[Entry]) -> Result<()> {
+pub fn write(path: &Path, run: RunId, columns: &Columns, entries: &[Entry]) -> Result<()> {
     let draft = Draft::create(path, SLACK)?;
-    draft.reserve(room(fields, entries))?;
-    draft.write(|file| lay_out(file, run, fields, entries))?;
+    draft.reserve(room(columns, entries))?;
+    draft.write(|file| lay_out(file, run, columns, entries))?;
     draft.finish().map(drop)
 }
 
@@ -63,8 +63,8 @@ pub fn read(path: &Path) -> Result<Index> {
             particles: counts[k] as usize,
             digest: u128::from(digests[2 * k]) << 64 | u128::from(digests[2 * k + 1]),
         };
-        let fields = fields(&root.group(name::DATA)?)?;
-        Ok(Index { run: RunId::read(&root)?, fields, entries: (0..n).map(entry).collect() })
+        let columns = columns(&root.group(name::DATA)?)?;
+        Ok(Index { run: RunId::read(&root)?, columns, entries: (0..n).map(entry).collect() })
     };
     read().map_err(|source| Error::Content {
         path: path.into(),
@@ -97,7 +97,7 @@ pub fn write_cells(index: &Path, n: usize) -> Result<()> {
     draft.finish().map(drop)
 }
 
-fn lay_out(file: &File, run: RunId, fields: &[Field], entries: &[Entry]) -> hdf5::Result<()> {
+fn lay_out(file: &File, run: RunId, columns: &Columns, entries: &[Entry]) -> hdf5::Result<()> {
     let root = file.create_group(name::ROOT)?;
     root.new_attr::<i64>().shape(2).create("Version")?.write_raw(&[2i64, 0])?;
     // older readers know only fixed-length ASCII here
@@ -113,10 +113,12 @@ fn lay_out(file: &File, run: RunId, fields: &[Field], entries: &[Entry]) -> hdf5
         unit(&composed.dataset::<f32>(&root, name::POINTS, name::POINTS, 3, f32::NAN)?, "m")?;
         let of = |name: &str| format!("{}/{name}", name::DATA);
         composed.dataset::<u64>(&data, name::IDENTITY, &of(name::IDENTITY), 1, u64::MAX)?;
-        composed.dataset::<u16>(&data, name::MATERIAL, &of(name::MATERIAL), 1, u16::MAX)?;
-        for Field { name, unit: symbol, components } in fields {
-            let made = composed.dataset::<f32>(&data, name, &of(name), *components, f32::NAN)?;
-            unit(&made, symbol)?;
+        let made = composed.dataset::<u16>(&data, name::MATERIAL, &of(name::MATERIAL), 1, u16::MAX)?;
+        name_materials(&made, &columns.materials)?;
+        for field in &columns.fields {
+            let (name, width) = (&field.name, field.components);
+            let made = composed.dataset::<f32>(&data, name, &of(name), width, f32::NAN)?;
+            describe_field(&made, field)?;
         }
     }
     root.create_group("Steps/PointDataOffsets")?;
@@ -224,6 +226,6 @@ fn fill<T: H5Type>(dataset: &Dataset, values: &[T]) -> hdf5::Result<()> {
     if values.is_empty() { Ok(()) } else { dataset.write_raw(values) }
 }
 
-fn room(fields: &[Field], entries: &[Entry]) -> usize {
-    SLACK + PART * (fields.len() + 16) * entries.len()
+fn room(columns: &Columns, entries: &[Entry]) -> usize {
+    SLACK + PART * (columns.fields.len() + 16) * entries.len()
 }

@@ -2,7 +2,7 @@
 use super::index::{self, Index};
 use super::{Entry, file, frame_file};
 use crate::output::error::{Error, Result};
-use crate::output::frame::Field;
+use crate::output::frame::{Columns, Field};
 use crate::output::snapshot::Snapshot;
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ pub struct Reader {
     path: PathBuf,
     entries: Vec<Entry>,
     times: Vec<f64>,
-    fields: Vec<Field>,
+    columns: Columns,
 }
 
 impl Reader {
@@ -21,14 +21,19 @@ impl Reader {
     /// # Errors
     /// If the file is missing, damaged, or of another kind.
     pub fn open(path: &Path) -> Result<Self> {
-        let Index { fields, entries, .. } = index::read(path)?;
+        let Index { columns, entries, .. } = index::read(path)?;
         let times = entries.iter().map(|entry| entry.time).collect();
-        Ok(Self { path: path.into(), entries, times, fields })
+        Ok(Self { path: path.into(), entries, times, columns })
     }
 
     /// Number of frames.
     pub fn frames(&self) -> usize {
         self.entries.len()
+    }
+
+    /// Particles of frame `k`; none where there is no such frame.
+    pub fn particles(&self, k: usize) -> usize {
+        self.entries.get(k).map_or(0, |entry| entry.particles)
     }
 
     /// Time of each frame [s].
@@ -38,7 +43,12 @@ impl Reader {
 
     /// Fields of every frame.
     pub fn fields(&self) -> &[Field] {
-        &self.fields
+        &self.columns.fields
+    }
+
+    /// Names of the materials, in the order of their indices; none in files of old.
+    pub fn materials(&self) -> &[String] {
+        &self.columns.materials
     }
 
     /// Frame `k` with all fields.
@@ -46,7 +56,7 @@ impl Reader {
     /// # Errors
     /// If there is no such frame, or it is missing or damaged.
     pub fn frame(&self, k: usize) -> Result<Snapshot> {
-        let names: Vec<&str> = self.fields.iter().map(|f| f.name.as_str()).collect();
+        let names: Vec<&str> = self.fields().iter().map(|f| f.name.as_str()).collect();
         self.frame_with(k, &names)
     }
 
@@ -59,6 +69,6 @@ impl Reader {
             let problem = format!("there is no frame {k}: the file has {} (counted from 0)", self.frames());
             return Err(Error::Content { path: self.path.clone(), problem });
         };
-        frame_file::read(&file(&self.path, entry.number), entry, &self.fields, names)
+        frame_file::read(&file(&self.path, entry.number), entry, self.fields(), names)
     }
 }

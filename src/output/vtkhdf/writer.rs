@@ -4,7 +4,7 @@ use super::index::{self, Index};
 use super::{Entry, Found, file, folder, number};
 use crate::output::create::{remove, set_aside};
 use crate::output::error::{self, Error, Result};
-use crate::output::frame::{Field, Frame, Head, Piece};
+use crate::output::frame::{Columns, Field, Frame, Head, Piece};
 use crate::output::run_id::RunId;
 use crate::output::{draft, seal};
 use std::fs;
@@ -22,8 +22,8 @@ const SHARE: u32 = 20;
 pub struct Writer {
     path: PathBuf,
     run: RunId,
-    /// Of the first frame, by name; empty before it.
-    fields: Vec<Field>,
+    /// Of the first frame, fields by name; empty before it.
+    columns: Columns,
     entries: Vec<Entry>,
     /// Number of the next frame's file.
     next: u64,
@@ -47,9 +47,9 @@ impl Writer {
     pub fn create(path: &Path, run: RunId) -> Result<Self> {
         own_folder(path)?;
         // the index first: it must not name what is no longer there
-        index::write(path, run, &[], &[])?;
+        index::write(path, run, &Columns::default(), &[])?;
         forget_from(path, 0)?;
-        Ok(Self::at(path, Index { run, fields: Vec::new(), entries: Vec::new() }, 0))
+        Ok(Self::at(path, Index { run, columns: Columns::default(), entries: Vec::new() }, 0))
     }
 
     /// Goes on after a restart with the frames that were found. Says what was not as it should be.
@@ -64,16 +64,16 @@ impl Writer {
             warnings.push(format!("{problem}; it is now {}, and left out of the frames", aside.display()));
         }
         if !named {
-            index::write(path, index.run, &index.fields, &index.entries)?;
+            index::write(path, index.run, &index.columns, &index.entries)?;
         }
         forget_from(path, frames)?;
         Ok((Self::at(path, index, frames), warnings))
     }
 
-    fn at(path: &Path, Index { run, fields, entries }: Index, next: u64) -> Self {
+    fn at(path: &Path, Index { run, columns, entries }: Index, next: u64) -> Self {
         let (named, index) = (entries.len(), (Instant::now(), Duration::ZERO));
         let (path, unsynced) = (path.into(), Vec::new());
-        Self { path, run, fields, entries, next, cells: 0, unsynced, open: None, named, index }
+        Self { path, run, columns, entries, next, cells: 0, unsynced, open: None, named, index }
     }
 
     /// Writes one more frame that is in memory. Its fields must be those of the first frame.
@@ -89,7 +89,8 @@ impl Writer {
             columns: fields.iter().map(|field| frame.column(field)).collect(),
         };
         let (time, step, particles) = (frame.time(), frame.step(), frame.particles());
-        self.begin(Head { time, step, particles, fields })?;
+        let columns = Columns { fields, materials: Vec::new() };
+        self.begin(Head { time, step, particles, columns })?;
         self.piece(&piece)?;
         self.end()
     }
@@ -100,18 +101,17 @@ impl Writer {
     /// If there is no room for it on the disk, or fields differ from the first frame's.
     pub fn begin(&mut self, head: Head) -> Result<()> {
         self.open = None;
-        let mut fields = head.fields.clone();
-        fields.sort_by(|a, b| a.name.cmp(&b.name)); // as HDF5 lists them
-        if !self.entries.is_empty() && fields != self.fields {
+        let columns = head.columns.clone().sorted();
+        if !self.entries.is_empty() && columns != self.columns {
             let list = |f: &[Field]| f.iter().map(|f| f.name.clone()).collect::<Vec<_>>().join(", ");
             let problem = format!(
                 "the fields of a frame changed from [{}] to [{}]; write other fields to another file",
-                list(&self.fields),
-                list(&fields)
+                list(&self.columns.fields),
+                list(&columns.fields)
             );
             return Err(Error::Content { path: self.path.clone(), problem });
         }
-        self.fields = fields;
+        self.columns = columns;
         let particles = head.particles;
         let path = file(&self.path, self.next);
         self.open = Some(FrameFile::create(&path, self.run, head)?);
@@ -163,7 +163,7 @@ impl Writer {
             return Ok(());
         }
         let began = Instant::now();
-        index::write(&self.path, self.run, &self.fields, &self.entries)?;
+        index::write(&self.path, self.run, &self.columns, &self.entries)?;
         (self.named, self.index) = (self.entries.len(), (Instant::now(), began.elapsed()));
         Ok(())
     }

@@ -51,13 +51,13 @@ impl Described for J2 {
 
 impl Law for J2 {
     const HISTORY: &'static [Variable] = &[
-        Variable { name: "elastic_xx", unit: "1" },
-        Variable { name: "elastic_xy", unit: "1" },
-        Variable { name: "elastic_xz", unit: "1" },
-        Variable { name: "elastic_yy", unit: "1" },
-        Variable { name: "elastic_yz", unit: "1" },
-        Variable { name: "elastic_zz", unit: "1" },
-        Variable { name: "plastic_strain", unit: "1" },
+        Variable::new("elastic_xx", "1", "xx of the isochoric elastic left Cauchy-Green tensor"),
+        Variable::new("elastic_xy", "1", "xy of the isochoric elastic left Cauchy-Green tensor"),
+        Variable::new("elastic_xz", "1", "xz of the isochoric elastic left Cauchy-Green tensor"),
+        Variable::new("elastic_yy", "1", "yy of the isochoric elastic left Cauchy-Green tensor"),
+        Variable::new("elastic_yz", "1", "yz of the isochoric elastic left Cauchy-Green tensor"),
+        Variable::new("elastic_zz", "1", "zz of the isochoric elastic left Cauchy-Green tensor"),
+        Variable::new("plastic_strain", "1", "equivalent plastic strain").usual(),
     ];
 
     fn initial(&self, reference: &Reference, history: &mut [f64]) {

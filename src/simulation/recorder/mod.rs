@@ -346,7 +346,7 @@ fn write_frame(
     let (row, particles) = (total(&counts[..rank]), total(&counts));
     let Simulation { scene, warehouse, network, .. } = simulation;
     let snapshot = super::Snapshot::new(scene, warehouse);
-    let head = frame::Head { time, step, particles, fields: snapshot.fields().to_vec() };
+    let head = frame::Head { time, step, particles, columns: snapshot.columns() };
     let mut written = held.and_then(|()| writer.as_mut().map_or(Ok(()), |writer| writer.begin(head)));
     // whatever fails here, the others send all they have
     let take = |piece| {

@@ -1,9 +1,10 @@
 //! Rows of `history.csv`.
+use crate::output::frame::part_names;
 use crate::output::history::{Cell, Column};
 use crate::simulation::failures;
-use crate::simulation::populate::declared;
 use crate::simulation::report::{MaterialReport, Report};
 use scene::Scene;
+use scene::shown::Probe;
 use tasks::recipes::{Giver, Givers};
 
 /// The columns of a scene.
@@ -15,7 +16,8 @@ pub fn columns(scene: &Scene) -> Vec<Column> {
         Column::global("limited_by", ""),
     ];
     for material in &scene.materials {
-        material_columns(&material.name, declared(&material.behavior).counts, &mut columns);
+        let counts: Vec<&str> = material.counted().map(|(name, _)| name).collect();
+        material_columns(&material.name, &counts, &mut columns);
         if material.is_rigid() {
             rigid_columns(&material.name, &mut columns);
         }
@@ -27,6 +29,7 @@ pub fn columns(scene: &Scene) -> Vec<Column> {
     for giver in Givers::of(scene).0 {
         giver_columns(&giver.name(scene), giver, &mut columns);
     }
+    scene.probes.iter().for_each(|probe| probe_columns(probe, &mut columns));
     columns
 }
 
@@ -44,6 +47,20 @@ fn giver_columns(name: &str, giver: Giver, columns: &mut Vec<Column>) {
     if let Giver::Drive(_) = giver {
         columns.extend(["x", "y", "z"].map(|axis| Column::of(name, &format!("displacement_{axis}"), "m")));
     }
+}
+
+/// The columns of a probe.
+fn probe_columns(probe: &Probe, columns: &mut Vec<Column>) {
+    let (name, shown) = (format!("probe.{}", probe.name), &probe.shown);
+    // as the units of other columns are spelled: m_s for m/s
+    let unit = if shown.unit == "1" {
+        String::new()
+    } else {
+        shown.unit.to_lowercase().replace('/', "_").replace('^', "")
+    };
+    let parts = part_names(shown.components).iter();
+    let names = parts.map(|part| format!("{}{}{part}", shown.name, if part.is_empty() { "" } else { "_" }));
+    columns.extend(names.map(|what| Column { name: format!("{name}.{what}"), unit: unit.clone().into() }));
 }
 
 /// The columns of a material whose law counts these states. Those of failure are always there, zero where the law does not
@@ -96,6 +113,7 @@ pub fn cells(report: &Report) -> Vec<Cell<'_>> {
         cells.extend(it.giver.is_outside().then_some(Cell::from(it.work)));
         cells.extend(it.displacement.into_iter().flatten().map(Cell::from));
     }
+    cells.extend(report.probes.iter().copied().map(Cell::from));
     cells
 }
 

@@ -176,8 +176,12 @@ impl Failure for TwoSurface {
         FIBER[0],
         FIBER[1],
         FIBER[2],
-        Variable { name: "failure", unit: "1" },
-        Variable { name: "fracture_energy", unit: "J/m^3" },
+        Variable::new("failure", "1", "what has failed").codes(CODES).usual(),
+        Variable::new(
+            "fracture_energy",
+            "J/m^3",
+            "stored energy that failure has released, over reference volume",
+        ),
     ];
     const EVENTS: &'static [&'static str] = &["matrix", "fiber"];
     const COUNTS: &'static [&'static str] = &["matrix", "fiber", "total", "crushed", UNSTABLE];
@@ -239,9 +243,18 @@ impl Failure for TwoSurface {
     }
 }
 
+/// What the numbers of `failure` mean.
+const CODES: &[&str] = &[
+    "intact",
+    "matrix failed",
+    "fibers failed",
+    "both failed",
+    "both failed, because it was turned inside out",
+];
+
 /// History of the fiber: the unit vector a₀.
 const FIBER: [Variable; 3] = [
-    Variable { name: "fiber_x", unit: "1" },
-    Variable { name: "fiber_y", unit: "1" },
-    Variable { name: "fiber_z", unit: "1" },
+    Variable::new("fiber_x", "1", "x of a₀: direction of the fibers at the start"),
+    Variable::new("fiber_y", "1", "y of a₀: direction of the fibers at the start"),
+    Variable::new("fiber_z", "1", "z of a₀: direction of the fibers at the start"),
 ];

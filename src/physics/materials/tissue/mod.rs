@@ -15,6 +15,7 @@ use crate::law::Reference;
 use crate::law::Response;
 use crate::law::Variable;
 use crate::law::inadmissible;
+use crate::quantities::{Particle, Quantity};
 use crate::tensor::apply;
 use crate::tensor::deviator_invariants;
 use crate::tensor::quadratic;
@@ -216,8 +217,34 @@ impl<F: Failure> Tissue<F> {
     }
 }
 
+/// The fibers now: F a₀ = λ a.
+const SHOWN: &[Quantity] = &[
+    Quantity::of_law(
+        "fiber_direction",
+        3,
+        |p, out| {
+            let (fiber, stretch) = fiber_now(p);
+            (0..3).for_each(|a| out[a] = fiber[a] / stretch);
+        },
+        "unit vector a along the fibers now",
+    ),
+    Quantity::of_law(
+        "fiber_stretch",
+        1,
+        |p, out| out[0] = fiber_now(p).1,
+        "λ = |F a₀|: stretch of the fibers",
+    ),
+];
+
+/// F a₀ and λ.
+fn fiber_now(p: &Particle) -> ([f64; 3], f64) {
+    let fiber = [0, 3, 6].map(|row| (0..3).map(|i| p.f[row + i] * p.history[i]).sum::<f64>());
+    (fiber, fiber.iter().map(|x| x * x).sum::<f64>().sqrt())
+}
+
 impl<F: Failure> Law for Tissue<F> {
     const HISTORY: &'static [Variable] = F::HISTORY;
+    const SHOWN: &'static [Quantity] = SHOWN;
     const EVENTS: &'static [&'static str] = F::EVENTS;
     const COUNTS: &'static [&'static str] = F::COUNTS;
 
