@@ -136,7 +136,9 @@ class Frames(Sequence):
             for name, column in root["PointData"].items():
                 about = column.attrs
                 if name == "material":
-                    self.materials = [str(it) for it in about.get("names", [])]
+                    names = about.get("names", [])
+                    # very many are lines of one text
+                    self.materials = names.split("\n") if isinstance(names, str) else [str(it) for it in names]
                 elif name != "id":
                     width = column.shape[1] if column.ndim > 1 else 1
                     codes = tuple(str(it) for it in about.get("codes", []))

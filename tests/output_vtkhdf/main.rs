@@ -6,7 +6,7 @@ mod damaged;
 mod unlocked;
 
 use sinew::output::compare::frame_particles;
-use sinew::output::frame::Field;
+use sinew::output::frame::{Columns, Field, Head, Piece};
 use sinew::output::run_id::RunId;
 use sinew::output::snapshot::Snapshot;
 use sinew::output::vtkhdf::{Found, Reader, Writer};
@@ -162,6 +162,32 @@ fn any_material_comes_back() {
     assert_eq!(frame.materials[..5], [0, 255, 256, 300, 65_535]);
     assert_eq!(frame_particles(frame).materials[3], 300);
     check_with_vtk(&path);
+}
+
+/// As many names as a scene can have, and what fields are, are in the index and in each frame.
+#[test]
+fn what_columns_are_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("particles.vtkhdf");
+    for count in [0, 1, 4000, 4001, 65_536] {
+        let materials: Vec<String> = (0..count).map(|i| format!("material-{i}")).collect();
+        let (meaning, codes) =
+            ("what has failed, λ".into(), vec!["intact".into(), "both failed, or not".into()]);
+        let fields = vec![Field { meaning, codes, ..field("failure", "1", 1) }, field("a", "m/s", 3)];
+        let columns = Columns { fields, materials: materials.clone() };
+        let mut writer = Writer::create(&path, run()).unwrap();
+        writer.begin(Head { time: 0.0, step: 0, particles: 1, columns: columns.clone() }).unwrap();
+        let (identities, values) = (vec![7], vec![vec![1.0], vec![2.0; 3]]);
+        let piece = Piece { identities, materials: vec![0], positions: vec![[0.0; 3]], columns: values };
+        writer.piece(&piece).unwrap();
+        writer.end().unwrap();
+        let reader = Reader::open(&path).unwrap();
+        assert_eq!((reader.fields(), reader.materials()), (&*columns.sorted().fields, &*materials));
+        // made anew of the frames
+        std::fs::remove_file(&path).unwrap();
+        drop(resume(&path, 1).unwrap());
+        assert_eq!(Reader::open(&path).unwrap().materials(), materials);
+    }
 }
 
 /// What a frame is called.

@@ -34,10 +34,16 @@ pub fn name_materials(column: &Dataset, names: &[String]) -> hdf5::Result<()> {
     put_words(column, name::NAMES, names)
 }
 
-/// Texts as an attribute; none without any.
+/// So many texts HDF5 takes as an attribute.
+const MOST: usize = 4000;
+
+/// Texts as an attribute; none without any. More than an attribute takes are lines of one text.
 fn put_words(column: &Dataset, name: &str, texts: &[String]) -> hdf5::Result<()> {
     if texts.is_empty() {
         return Ok(());
+    }
+    if texts.len() > MOST {
+        return column.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&word(&texts.join("\n"))?);
     }
     let texts = texts.iter().map(|text| word(text)).collect::<hdf5::Result<Vec<_>>>()?;
     column.new_attr::<VarLenUnicode>().shape(texts.len()).create(name)?.write_raw(&texts)
@@ -49,7 +55,7 @@ fn words(column: &Dataset, name: &str) -> hdf5::Result<Vec<String>> {
         return Ok(Vec::new());
     }
     let texts = column.attr(name)?.read_raw::<VarLenUnicode>()?;
-    Ok(texts.iter().map(ToString::to_string).collect())
+    Ok(texts.iter().flat_map(|text| text.split('\n')).map(str::to_owned).collect())
 }
 
 /// States the unit of a dataset.
