@@ -1,37 +1,10 @@
 //! How bodies begin: stretched, turning; and how what particles do not share with nodes fades.
 mod common;
 
+use common::rubber::{MIRRORS, RUBBER};
 use common::{Overrides, finish, numbers, scene, set_velocity, start};
 use engine::schema::Label;
 use tasks::labels;
-
-const BLOCK: &str = r#"
-[domain]
-lower = [0, 0, 0]
-upper = ["12 mm", "4 mm", "4 mm"]
-cell = "1 mm"
-[material.rubber]
-law = "neo-hookean"
-density = 1000
-bulk-modulus = "1 MPa"
-shear-modulus = "0.5 MPa"
-[[body]]
-name = "block"
-material = "rubber"
-shape = { box = { lower = [0, 0, 0], upper = ["12 mm", "4 mm", "4 mm"] } }
-[run]
-until = "1 ms"
-cfl = 0.4
-"#;
-
-const MIRRORS: [(&str, &str); 6] = [
-    ("boundary.x-min", "symmetric"),
-    ("boundary.x-max", "symmetric"),
-    ("boundary.y-min", "symmetric"),
-    ("boundary.y-max", "symmetric"),
-    ("boundary.z-min", "symmetric"),
-    ("boundary.z-max", "symmetric"),
-];
 
 /// W = μ/2 (λ^(4/3) + 2 λ^(−2/3) − 3) + K/2 (½ (λ² − 1) − ln λ) and its slope.
 fn closed_form(l: f64) -> (f64, f64) {
@@ -47,8 +20,8 @@ fn closed_form(l: f64) -> (f64, f64) {
 fn a_body_that_begins_stretched_bears_the_stress_of_its_stretch() {
     let metal: Overrides<'_> = &[("material.rubber.law", "j2"), ("material.rubber.yield-stress", "1 GPa")];
     for law in [&[][..], metal] {
-        let stretched = [&MIRRORS[..], &[("body.block.stretch", "[1.2, 1, 1]")], law].concat();
-        let mut simulation = start(scene(BLOCK, &stretched));
+        let stretched = [MIRRORS, &[("body.block.stretch", "[1.2, 1, 1]")], law].concat();
+        let mut simulation = start(scene(RUBBER, &stretched));
         let before = simulation.report().expect("one rank");
         let (energy, slope) = closed_form(1.2);
         let volume = 12e-3 * 16e-6 / 1.2;
@@ -76,7 +49,7 @@ fn a_body_that_begins_turning_has_its_angular_momentum() {
         ("body.block.angular-velocity", "[0, 0, 30]"),
         ("body.block.velocity", "[0, 0.1, 0]"),
     ];
-    let report = start(scene(BLOCK, spin)).report().expect("one rank");
+    let report = start(scene(RUBBER, spin)).report().expect("one rank");
     let m = &report.materials[0];
     // particles are points, 24 and 8 of them along the edges
     let inertia =
@@ -97,7 +70,7 @@ fn a_rate_of_pic_does_not_depend_on_the_step() {
             ("run.until", "0.1 ms"),
             ("material.rubber.bulk-modulus", "1e6"),
         ];
-        let mut simulation = start(scene(BLOCK, rate));
+        let mut simulation = start(scene(RUBBER, rate));
         let sign = |x: f64| if (x / 0.5e-3) as i64 % 2 == 0 { 1e-9 } else { -1e-9 };
         set_velocity(&mut simulation, |x| [0.0, sign(x[0]), 0.0]);
         finish(&mut simulation).expect("runs");

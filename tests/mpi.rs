@@ -282,7 +282,7 @@ const LONG: Duration = Duration::from_secs(60);
 /// Kills a rank or the whole job at random moments, also while a checkpoint is written, until the run is done.
 #[test]
 fn a_killed_rank_ends_the_run_and_a_restart_goes_on() {
-    let least = kills(6);
+    let least = kills(12);
     let mut random = Random(std::process::id().into());
     let folder = ok(tempfile::tempdir());
     let steps = ["run", "problems/two-spheres", "--steps", "60", "--set", "output.frames=0"];

@@ -2,44 +2,13 @@
 mod common;
 
 use common::command::{ok, sinew, text, words};
+use common::rubber::{RUBBER, pulled, stress_of};
 use common::{Overrides, finish, scene, start};
 use sinew::input::read_text;
 use sinew::output::frame::{Columns, Piece};
 use sinew::output::vtkhdf::Reader;
 use sinew::simulation::Simulation;
 use std::path::Path;
-
-const BLOCK: &str = r#"
-[domain]
-lower = [0, 0, 0]
-upper = ["12 mm", "4 mm", "4 mm"]
-cell = "1 mm"
-[material.rubber]
-law = "neo-hookean"
-density = 1000
-bulk-modulus = "1 MPa"
-shear-modulus = "0.5 MPa"
-[[body]]
-name = "block"
-material = "rubber"
-shape = { box = { lower = [0, 0, 0], upper = ["12 mm", "4 mm", "4 mm"] } }
-[run]
-until = "0.2 ms"
-cfl = 0.4
-[output]
-frames = 1
-"#;
-
-/// The block between mirrors, pulled by 1.2 along x.
-const PULLED: Overrides<'_> = &[
-    ("boundary.x-min", "symmetric"),
-    ("boundary.x-max", "symmetric"),
-    ("boundary.y-min", "symmetric"),
-    ("boundary.y-max", "symmetric"),
-    ("boundary.z-min", "symmetric"),
-    ("boundary.z-max", "symmetric"),
-    ("body.block.stretch", "[1.2, 1, 1]"),
-];
 
 const TISSUE: Overrides<'_> = &[
     ("material.rubber.law", "tissue"),
@@ -83,18 +52,16 @@ fn all_are(frame: &(Columns, Piece), name: &str, expected: &[f64]) {
 fn a_stretched_block_shows_its_closed_form() {
     let fields = "[\"stress\", \"kirchhoff_stress\", \"pressure\", \"von_mises\", \"deformation_gradient\", \"strain\", \
                   \"shear_strain\", \"volume_ratio\", \"mass\", \"volume\", \"radius\"]";
-    let mut simulation = start(scene(BLOCK, &[PULLED, &[("output.fields", fields)]].concat()));
+    let mut simulation = start(scene(RUBBER, &[&pulled()[..], &[("output.fields", fields)]].concat()));
     finish(&mut simulation).expect("runs");
     let frame = shown(&simulation);
-    let (l, bulk, shear): (f64, f64, f64) = (1.2, 1e6, 0.5e6);
-    // σ = K/2 (J − 1/J) + μ J^(−5/3) dev b, with J = λ and b = diag (λ², 1, 1)
-    let deviator = shear * l.powf(-5.0 / 3.0) * (l * l - 1.0) / 3.0;
-    let mean = 0.5 * bulk * (l - 1.0 / l);
-    let stress = [mean + 2.0 * deviator, mean - deviator, mean - deviator, 0.0, 0.0, 0.0];
+    let l = 1.2;
+    let [along, across] = stress_of(l);
+    let stress = [along, across, across, 0.0, 0.0, 0.0];
     all_are(&frame, "stress", &stress);
     all_are(&frame, "kirchhoff_stress", &stress.map(|s| l * s));
-    all_are(&frame, "pressure", &[-mean]);
-    all_are(&frame, "von_mises", &[3.0 * deviator]);
+    all_are(&frame, "pressure", &[-(along + 2.0 * across) / 3.0]);
+    all_are(&frame, "von_mises", &[along - across]);
     all_are(&frame, "deformation_gradient", &[l, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
     all_are(&frame, "strain", &[0.22, 0.0, 0.0, 0.0, 0.0, 0.0]);
     all_are(&frame, "shear_strain", &[0.11]);
@@ -120,7 +87,7 @@ fn what_moves_as_one_is_displaced_by_its_way() {
         ("material.rubber.motion", "free"),
     ];
     for law in [&[][..], &rigid] {
-        let mut simulation = start(scene(BLOCK, &[&moving[..], law].concat()));
+        let mut simulation = start(scene(RUBBER, &[&moving[..], law].concat()));
         let before = shown(&simulation);
         // a rigid body's particles are where its center and its turn say, to rounding
         let still = field(&before, "displacement").concat();
@@ -140,7 +107,7 @@ fn what_moves_as_one_is_displaced_by_its_way() {
 #[test]
 fn fibers_turn_and_stretch_with_the_matter() {
     let fields = "[\"fiber_direction\", \"fiber_stretch\", \"fiber_y\", \"failure\"]";
-    let simulation = start(scene(BLOCK, &[PULLED, TISSUE, &[("output.fields", fields)]].concat()));
+    let simulation = start(scene(RUBBER, &[&pulled()[..], TISSUE, &[("output.fields", fields)]].concat()));
     let frame = shown(&simulation);
     // F a₀ = (1.2 · 0.6, 0.8, 0)
     let stretch = 0.72f64.hypot(0.8);
@@ -156,7 +123,7 @@ fn fibers_turn_and_stretch_with_the_matter() {
 #[test]
 fn what_a_scene_does_not_say_is_what_is_usual() {
     let names = |overrides: Overrides<'_>| -> Vec<&str> {
-        scene(BLOCK, overrides).output.fields.iter().map(|shown| shown.name).collect()
+        scene(RUBBER, overrides).output.fields.iter().map(|shown| shown.name).collect()
     };
     let usual = ["displacement", "velocity", "volume_ratio", "pressure", "von_mises"];
     assert_eq!(names(&[]), usual);
@@ -178,7 +145,7 @@ fn what_nobody_has_is_refused_with_what_there_is() {
         ("[\"one\", \"two\"]", "no material of this scene has \"two\""),
     ] {
         let overrides = [("output.fields".to_owned(), fields.to_owned())];
-        let error = read_text("test", BLOCK, &overrides, None).expect_err(fields);
+        let error = read_text("test", RUBBER, &overrides, None).expect_err(fields);
         let words = format!("{:?}", miette::Report::new(error)).replace('│', " ");
         let words = words.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains(expected), "{fields}: {words}");
@@ -190,7 +157,7 @@ fn what_nobody_has_is_refused_with_what_there_is() {
 fn a_restart_shows_what_the_run_has_shown() {
     let folder = ok(tempfile::tempdir());
     let file = folder.path().join("scene.toml");
-    ok(std::fs::write(&file, BLOCK));
+    ok(std::fs::write(&file, RUBBER));
     let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
     let run = |out: &Path, steps: &str, more: &[&str]| {
         let moving =
@@ -228,8 +195,10 @@ fn a_restart_shows_what_the_run_has_shown() {
 #[test]
 fn the_state_is_the_same_whatever_is_shown() {
     let hash = |overrides: Overrides<'_>| {
-        let mut simulation =
-            start(scene(BLOCK, &[PULLED, overrides, &[("body.block.velocity", "[1, 0, 0]")]].concat()));
+        let mut simulation = start(scene(
+            RUBBER,
+            &[&pulled()[..], overrides, &[("body.block.velocity", "[1, 0, 0]")]].concat(),
+        ));
         finish(&mut simulation).expect("runs");
         let bytes = simulation.bytes().0;
         (simulation.state_hash(), bytes)

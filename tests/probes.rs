@@ -2,30 +2,13 @@
 mod common;
 
 use common::command::{ok, sinew, text, words};
+use common::rubber::{RUBBER, pulled, stress_of};
 use common::{Overrides, run, scene, start};
 use sinew::input::read_text;
 use sinew::output::history::Table;
 use std::path::Path;
 
-const BLOCK: &str = r#"
-[domain]
-lower = [0, 0, 0]
-upper = ["30 mm", "12 mm", "4 mm"]
-cell = "1 mm"
-[material.rubber]
-law = "neo-hookean"
-density = 1000
-bulk-modulus = "1 MPa"
-shear-modulus = "0.5 MPa"
-[[body]]
-name = "block"
-material = "rubber"
-shape = { box = { lower = [0, 0, 0], upper = ["12 mm", "4 mm", "4 mm"] } }
-[run]
-until = "0.4 ms"
-cfl = 0.4
-[output]
-frames = 2
+const PROBES: &str = r#"
 [[probe]]
 name = "corner"
 material = "rubber"
@@ -52,6 +35,14 @@ material = "rubber"
 field = "stress"
 "#;
 
+/// The block with its probes.
+fn block() -> String {
+    format!("{RUBBER}{PROBES}")
+}
+
+/// Room around it.
+const ROOM: &str = "[\"30 mm\", \"12 mm\", \"4 mm\"]";
+
 #[track_caller]
 fn close(found: &[f64], expected: &[f64], scale: f64) {
     assert_eq!(found.len(), expected.len());
@@ -62,7 +53,10 @@ fn close(found: &[f64], expected: &[f64], scale: f64) {
 
 #[test]
 fn probes_show_what_is_known() {
-    let report = run(scene(BLOCK, &[("body.block.velocity", "[20, 10, 0]")]));
+    let report = run(scene(
+        &block(),
+        &[("body.block.velocity", "[20, 10, 0]"), ("domain.upper", ROOM), ("run.until", "0.4 ms")],
+    ));
     let [way, right, most, least] = [0, 3, 6, 9].map(|i| &report.probes[i..i + 3]);
     close(way, &[8e-3, 4e-3, 0.0], 1e-2);
     close(right, &[9e-3, 2e-3, 2e-3], 1e-2);
@@ -70,23 +64,9 @@ fn probes_show_what_is_known() {
     close(least, &[0.25e-3; 3], 1e-2);
     assert_eq!(report.probes.len(), 18);
 
-    let held: Overrides<'_> = &[
-        ("domain.upper", "[\"12 mm\", \"4 mm\", \"4 mm\"]"),
-        (
-            "boundary",
-            "{ x-min = \"symmetric\", x-max = \"symmetric\", y-min = \"symmetric\", y-max = \"symmetric\", z-min = \"symmetric\", z-max = \"symmetric\" }",
-        ),
-        ("body.block.stretch", "[1.2, 1, 1]"),
-    ];
-    let report = run(scene(BLOCK, held));
-    let (l, bulk, shear): (f64, f64, f64) = (1.2, 1e6, 0.5e6);
-    let deviator = shear * l.powf(-5.0 / 3.0) * (l * l - 1.0) / 3.0;
-    let mean = 0.5 * bulk * (l - 1.0 / l);
-    close(
-        &report.probes[12..18],
-        &[mean + 2.0 * deviator, mean - deviator, mean - deviator, 0.0, 0.0, 0.0],
-        1e6,
-    );
+    let report = run(scene(&block(), &pulled()));
+    let [along, across] = stress_of(1.2);
+    close(&report.probes[12..18], &[along, across, across, 0.0, 0.0, 0.0], 1e6);
 }
 
 #[test]
@@ -101,7 +81,7 @@ fn the_mean_is_by_mass_and_leaves_out_what_is_no_number() {
     ];
     let error = read_text(
         "test",
-        BLOCK,
+        &block(),
         &two.iter().map(|&(k, v)| (k.to_owned(), v.to_owned())).collect::<Vec<_>>(),
         None,
     );
@@ -113,7 +93,7 @@ fn the_mean_is_by_mass_and_leaves_out_what_is_no_number() {
         ("probe.4.field", "velocity"),
         ("body.block.velocity", "[20, 10, 0]"),
     ];
-    let report = start(scene(BLOCK, rigid)).report().expect("one rank");
+    let report = start(scene(&block(), rigid)).report().expect("one rank");
     close(&report.probes[12..15], &[20.0, 10.0, 0.0], 1e2);
 }
 
@@ -125,12 +105,26 @@ fn history(folder: &Path) -> String {
 fn probes_are_the_same_on_any_layout_and_over_a_restart() {
     let folder = ok(tempfile::tempdir());
     let file = folder.path().join("scene.toml");
-    ok(std::fs::write(&file, format!("{BLOCK}[load]\ngravity = [0, -1e4, 0]\n")));
+    ok(std::fs::write(&file, format!("{}[load]\ngravity = [0, -1e4, 0]\n", block())));
     let [whole, cut, parts] = ["whole", "cut", "parts"].map(|name| folder.path().join(name));
+    let room = format!("domain.upper={ROOM}");
     let run = |out: &Path, more: &[&str]| {
         let output = sinew(
-            &[&["run", text(&file), "-q", "--out", text(out), "--set", "boundary.y-min=fixed"], more]
-                .concat(),
+            &[
+                &[
+                    "run",
+                    text(&file),
+                    "-q",
+                    "--out",
+                    text(out),
+                    "--set",
+                    "boundary.y-min=fixed",
+                    "--set",
+                    &room,
+                ],
+                more,
+            ]
+            .concat(),
         );
         assert!(output.status.success(), "{}", words(&output));
     };
@@ -165,7 +159,7 @@ fn probes_of_nothing_are_refused() {
         ("probe.right.material", "steel", "there is no material \"steel\""),
     ] {
         let overrides = [(key.to_owned(), value.to_owned())];
-        let error = read_text("test", BLOCK, &overrides, None).expect_err(expected);
+        let error = read_text("test", &block(), &overrides, None).expect_err(expected);
         let words = format!("{:?}", miette::Report::new(error)).replace('│', " ");
         let words = words.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains(expected), "{key}: {words}");

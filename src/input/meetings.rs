@@ -92,16 +92,7 @@ fn contact(given: &Node, materials: &[Material], path: &str) -> Outcome<Contact>
 pub(super) fn drives(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Drive>> {
     let each = |(number, node): (usize, &Node)| drive(node, number, materials, bodies);
     let found = all(given.items().iter().enumerate().map(each))?;
-    let mut drives: Vec<Drive> = Vec::new();
-    for (drive, node) in found.into_iter().zip(given.items()) {
-        if drives.iter().any(|other| other.name == drive.name) {
-            let place = node.find("name").unwrap_or(node).place;
-            return Err(Fault::new(place, format!("there are two drives named {:?}", drive.name))
-                .help("give each drive a name of its own"));
-        }
-        drives.push(drive);
-    }
-    Ok(drives)
+    unique(found, given, "drive", |drive| &drive.name)
 }
 
 fn drive(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> Outcome<Drive> {
@@ -114,13 +105,35 @@ fn drive(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> 
     }
     let components = given.get("components").word();
     Ok(Drive {
-        name: given.find("name").map_or_else(|| number.to_string(), |name| name.word().to_owned()),
+        name: name(given, number),
         material,
         region: region(given, material, materials, bodies)?,
         motion: motion(given)?,
         components: ["x", "y", "z"].map(|axis| components.contains(axis)),
         until: given.find("until").map_or(f64::INFINITY, Node::number),
     })
+}
+
+/// What a table of a list calls itself; else its number.
+pub(super) fn name(given: &Node, number: usize) -> String {
+    given.find("name").map_or_else(|| number.to_string(), |name| name.word().to_owned())
+}
+
+/// What a list has made, if no two have the same name.
+pub(super) fn unique<T>(
+    made: Vec<T>,
+    given: &Node,
+    what: &str,
+    name: impl Fn(&T) -> &String,
+) -> Outcome<Vec<T>> {
+    for (i, (it, node)) in made.iter().zip(given.items()).enumerate() {
+        if made[..i].iter().any(|other| name(other) == name(it)) {
+            let place = node.find("name").unwrap_or(node).place;
+            return Err(Fault::new(place, format!("there are two {what}s named {:?}", name(it)))
+                .help(format!("give each {what} a name of its own")));
+        }
+    }
+    Ok(made)
 }
 
 /// The part of a material that a table means by `region` or `body`.
@@ -179,16 +192,7 @@ fn from_rest(displacement: &Node) -> Outcome<Table> {
 pub(super) fn forces(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Force>> {
     let each = |(number, node): (usize, &Node)| force(node, number, materials, bodies);
     let found = all(given.items().iter().enumerate().map(each))?;
-    let mut forces: Vec<Force> = Vec::new();
-    for (force, node) in found.into_iter().zip(given.items()) {
-        if forces.iter().any(|other| other.name == force.name) {
-            let place = node.find("name").unwrap_or(node).place;
-            return Err(Fault::new(place, format!("there are two forces named {:?}", force.name))
-                .help("give each force a name of its own"));
-        }
-        forces.push(force);
-    }
-    Ok(forces)
+    unique(found, given, "force", |force| &force.name)
 }
 
 fn force(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> Outcome<Force> {
@@ -226,7 +230,7 @@ fn force(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> 
     }
     let side = SIDES.iter().position(|side| *side == given.get("side").word()).unwrap_or(0);
     Ok(Force {
-        name: given.find("name").map_or_else(|| number.to_string(), |name| name.word().to_owned()),
+        name: name(given, number),
         material,
         region: region(given, material, materials, bodies)?,
         kind,

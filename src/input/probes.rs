@@ -3,13 +3,13 @@ use super::build::material_index;
 use super::document::Node;
 use super::error::{Fault, Outcome, all};
 use super::form::{Field, Form};
-use super::meetings::region;
+use super::meetings::{name, region, unique};
 use super::shapes::SHAPE;
 use super::shown::one;
 use physics::parameter::Dimension;
 use physics::quantities::POSITION;
 use scene::Material;
-use scene::shown::{Probe, ProbeOf, Shown, available};
+use scene::shown::{Probe, ProbeOf, available};
 
 const POINT: Form = Form::Vector(Dimension::Length, 3);
 
@@ -42,16 +42,7 @@ const VALUES: &[&str] = &["mean", "largest", "smallest"];
 pub(super) fn probes(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Probe>> {
     let each = |(number, node): (usize, &Node)| probe(node, number, materials, bodies);
     let found = all(given.items().iter().enumerate().map(each))?;
-    let mut probes: Vec<Probe> = Vec::new();
-    for (probe, node) in found.into_iter().zip(given.items()) {
-        if probes.iter().any(|other| other.name == probe.name) {
-            let place = node.find("name").unwrap_or(node).place;
-            return Err(Fault::new(place, format!("there are two probes named {:?}", probe.name))
-                .help("give each probe a name of its own"));
-        }
-        probes.push(probe);
-    }
-    Ok(probes)
+    unique(found, given, "probe", |probe| &probe.name)
 }
 
 fn probe(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> Outcome<Probe> {
@@ -64,7 +55,7 @@ fn probe(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> 
             .help("history.csv has its force, torque, work and motion in any case"));
     }
     let mut all = available([it]);
-    all.push(Shown::from(&POSITION));
+    all.push(POSITION.shown);
     let shown = one(given.get("field"), &all, &format!("no particle of {:?}", it.name))?;
     let region = region(given, material, materials, bodies)?;
     let value = given.find("value");
@@ -84,6 +75,5 @@ fn probe(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> 
         (None, "smallest") => ProbeOf::Smallest(region),
         (None, _) => ProbeOf::Mean(region),
     };
-    let name = given.find("name").map_or_else(|| number.to_string(), |name| name.word().to_owned());
-    Ok(Probe { name, material, shown, of })
+    Ok(Probe { name: name(given, number), material, shown, of })
 }

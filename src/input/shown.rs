@@ -2,9 +2,9 @@
 use super::document::Node;
 use super::error::{Fault, Outcome, all, listing, suggestion};
 use physics::materials::DECLARED;
-use physics::quantities::{Of, QUANTITIES};
+use physics::quantities::{Of, QUANTITIES, Shown};
 use scene::Material;
-use scene::shown::{Shown, available, of_law};
+use scene::shown::{available, of_law};
 
 /// What every frame has, whatever a scene asks for.
 const ALWAYS: [&str; 3] = ["position", "id", "material"];
@@ -32,7 +32,7 @@ pub(super) fn fields(given: Option<&Node>, materials: &[Material]) -> Outcome<Ve
 /// Something that particles show, by its name; or that `nobody` has it.
 pub(super) fn one(given: &Node, available: &[Shown], nobody: &str) -> Outcome<Shown> {
     let found = available.iter().find(|shown| shown.name == given.word());
-    found.cloned().ok_or_else(|| unknown(given, available, nobody))
+    found.copied().ok_or_else(|| unknown(given, available, nobody))
 }
 
 fn unknown(node: &Node, available: &[Shown], nobody: &str) -> Fault {
@@ -85,7 +85,7 @@ pub fn documentation() -> String {
     };
     for quantity in QUANTITIES {
         let of = if quantity.of == Of::All { "all" } else { "what deforms" };
-        row(&Shown::from(quantity), of);
+        row(&quantity.shown, of);
     }
     let mut told: Vec<(&str, &str)> = Vec::new();
     for (word, law) in DECLARED {

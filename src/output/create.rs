@@ -60,12 +60,22 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 ///
 /// # Errors
 /// If it cannot be written; the old file, if any, stays.
-pub fn write_by(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> std_io::Result<()>) -> Result<()> {
+pub fn write_by(path: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> std_io::Result<()>) -> Result<()> {
+    write_aside(path, |file| {
+        let mut file = BufWriter::new(file);
+        write(&mut file).and_then(|()| file.flush()).map_err(io("write", path))
+    })
+}
+
+/// The same by who has errors of another kind, too.
+///
+/// # Errors
+/// If it cannot be written, or `write` fails; the old file, if any, stays.
+pub fn write_aside(path: &Path, write: impl FnOnce(&File) -> Result<()>) -> Result<()> {
     let aside = draft::aside(path);
     let written = create(&aside).and_then(|file| {
-        let mut file = BufWriter::new(file);
-        let all = write(&mut file).and_then(|()| file.flush()).and_then(|()| file.get_ref().sync_all());
-        all.and_then(|()| fs::rename(&aside, path)).map_err(io("write", path))
+        write(&file)?;
+        file.sync_all().and_then(|()| fs::rename(&aside, path)).map_err(io("write", path))
     });
     if written.is_err() {
         // best effort: the error that matters is the one returned

@@ -32,13 +32,14 @@ impl Columns {
     }
 }
 
-/// What the numbers of a field are called: nothing where there is one.
+/// What the numbers of a field are called: nothing where there is one, and where nobody knows.
 pub fn part_names(components: usize) -> &'static [&'static str] {
     match components {
         1 => &[""],
         3 => &["x", "y", "z"],
         6 => &["xx", "yy", "zz", "xy", "yz", "xz"],
-        _ => &["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"],
+        9 => &["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"],
+        _ => &[],
     }
 }
 

@@ -37,9 +37,9 @@ pub enum Of {
     Law,
 }
 
-/// Something to show of a particle.
-#[derive(Clone, Copy, Debug)]
-pub struct Quantity {
+/// What something shown of particles is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
     /// Its name in files and scenes.
     pub name: &'static str,
     /// SI unit.
@@ -53,10 +53,17 @@ pub struct Quantity {
     pub codes: &'static [&'static str],
     /// Whether a scene that names none gets it.
     pub usual: bool,
-    /// Who has it.
-    pub of: Of,
     /// Whether it needs to know where the particle was at the start.
     pub from_start: bool,
+}
+
+/// Something to show of a particle.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantity {
+    /// What it is.
+    pub shown: Shown,
+    /// Who has it.
+    pub of: Of,
     /// Its value, from the first number on.
     pub value: fn(&Particle, &mut [f64; 9]),
 }
@@ -71,8 +78,8 @@ const fn of_all(
     value: fn(&Particle, &mut [f64; 9]),
     meaning: &'static str,
 ) -> Quantity {
-    let (codes, usual, of, from_start): (&[&str], _, _, _) = (&[], false, Of::All, false);
-    Quantity { name, unit, components, meaning, codes, usual, of, from_start, value }
+    let shown = Shown { name, unit, components, meaning, codes: &[], usual: false, from_start: false };
+    Quantity { shown, of: Of::All, value }
 }
 
 const fn of_deformable(
@@ -96,11 +103,11 @@ impl Quantity {
     }
 
     const fn usual(self) -> Self {
-        Self { usual: true, ..self }
+        Self { shown: Shown { usual: true, ..self.shown }, ..self }
     }
 
     const fn needs_start(self) -> Self {
-        Self { from_start: true, ..self }
+        Self { shown: Shown { from_start: true, ..self.shown }, ..self }
     }
 }
 
@@ -219,9 +226,9 @@ mod tests {
 
     fn value(name: &str, particle: &Particle) -> [f64; 9] {
         let mut out = [f64::NAN; 9];
-        let quantity = QUANTITIES.iter().find(|q| q.name == name).expect("there is one");
+        let quantity = QUANTITIES.iter().find(|q| q.shown.name == name).expect("there is one");
         (quantity.value)(particle, &mut out);
-        assert!(out[quantity.components..].iter().all(|x| x.is_nan()), "{name}");
+        assert!(out[quantity.shown.components..].iter().all(|x| x.is_nan()), "{name}");
         out
     }
 
@@ -277,7 +284,11 @@ mod tests {
     #[test]
     fn names_are_unique() {
         for (i, one) in QUANTITIES.iter().enumerate() {
-            assert!(QUANTITIES[..i].iter().all(|other| other.name != one.name), "{}", one.name);
+            assert!(
+                QUANTITIES[..i].iter().all(|other| other.shown.name != one.shown.name),
+                "{}",
+                one.shown.name
+            );
         }
     }
 }

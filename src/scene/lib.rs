@@ -9,10 +9,11 @@ pub use material::{Behavior, Material, RigidMotion};
 pub use physics::contact::Contact;
 use physics::faces::AnyFaceCondition;
 pub use physics::motion::{Course, Motion};
+use physics::quantities::Shown;
 pub use physics::solid as geometry;
 pub use physics::table::Table;
 pub use physics::viscosity::Viscosity;
-use shown::{Probe, Shown};
+use shown::Probe;
 use std::collections::BTreeMap;
 
 /// The most materials of a scene: frames name each by 16 bits.
@@ -37,6 +38,19 @@ impl Scene {
     /// The materials that deform.
     pub fn deformable(&self) -> impl Iterator<Item = usize> {
         (0..self.materials.len()).filter(|&m| !self.materials[m].is_rigid())
+    }
+
+    /// Pairs of materials with bodies, ascending, of which one at least deforms.
+    pub fn pairs(&self) -> Vec<[usize; 2]> {
+        let used: Vec<usize> =
+            (0..self.materials.len()).filter(|&m| self.bodies_of(m).next().is_some()).collect();
+        let pairs = used.iter().enumerate().flat_map(|(i, &b)| used[..i].iter().map(move |&a| [a, b]));
+        pairs.filter(|pair| !pair.iter().all(|&m| self.materials[m].is_rigid())).collect()
+    }
+
+    /// Whether two materials, ascending, have a contact.
+    pub fn meet(&self, pair: &[usize; 2]) -> bool {
+        self.contacts.iter().any(|contact| contact.between == *pair)
     }
 
     /// The bodies of a material.

@@ -10,6 +10,13 @@ pub fn sample(scene: &Scene, body: &Body) -> impl Iterator<Item = [f64; 3]> {
     points(&scene.domain, body.particles_per_cell, &body.solid, inside(&scene.domain))
 }
 
+/// All particles of a scene, each with the index of its body [m], in the order that gives them their identities: 0, 1, 2, …
+pub fn all(scene: &Scene) -> impl Iterator<Item = (usize, [f64; 3])> {
+    let filled =
+        scene.bodies.iter().enumerate().filter(|(_, body)| scene.materials[body.material].has_particles());
+    filled.flat_map(|(index, body)| sample(scene, body).map(move |x| (index, x)))
+}
+
 /// The center of mass of the body's particles [m].
 pub fn middle(scene: &Scene, body: &Body) -> [f64; 3] {
     let (mut sum, mut count) = ([0.0; 3], 0.0);

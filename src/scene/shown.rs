@@ -1,26 +1,7 @@
 //! What the materials of a scene can show of their particles.
 use crate::{Material, Region, Scene};
 use physics::law::Declared;
-use physics::quantities::{Of, POSITION, Particle, QUANTITIES, Quantity};
-
-/// Something that frames show.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Shown {
-    /// Its name.
-    pub name: &'static str,
-    /// SI unit.
-    pub unit: &'static str,
-    /// Numbers a particle.
-    pub components: usize,
-    /// What it is, in a line.
-    pub meaning: &'static str,
-    /// What its values mean, from 0 on, if they are codes.
-    pub codes: &'static [&'static str],
-    /// Whether a scene that names none gets it.
-    pub usual: bool,
-    /// Whether it needs to know where the particle was at the start.
-    pub from_start: bool,
-}
+use physics::quantities::{Of, POSITION, Particle, QUANTITIES, Shown};
 
 /// Something shown of one particle, or of many, in time.
 #[derive(Clone, Debug)]
@@ -59,10 +40,16 @@ pub enum Source {
     History(usize),
 }
 
-impl From<&Quantity> for Shown {
-    fn from(q: &Quantity) -> Self {
-        let Quantity { name, unit, components, meaning, codes, usual, from_start, .. } = *q;
-        Self { name, unit, components, meaning, codes, usual, from_start }
+impl Source {
+    /// The numbers of a particle, from the first on; what is not there is not a number.
+    pub fn of(self, particle: &Particle) -> [f64; 9] {
+        let mut value = [f64::NAN; 9];
+        match self {
+            Source::Nowhere => {}
+            Source::Value(of) => of(particle, &mut value),
+            Source::History(number) => value[0] = particle.history[number],
+        }
+        value
     }
 }
 
@@ -70,7 +57,7 @@ impl From<&Quantity> for Shown {
 pub fn available<'a>(materials: impl IntoIterator<Item = &'a Material>) -> Vec<Shown> {
     let materials: Vec<&Material> = materials.into_iter().collect();
     let deformable = materials.iter().any(|material| !material.is_rigid());
-    let general = QUANTITIES.iter().filter(|q| q.of == Of::All || deformable).map(Shown::from);
+    let general = QUANTITIES.iter().filter(|q| q.of == Of::All || deformable).map(|q| q.shown);
     let mut all: Vec<Shown> = general.collect();
     for shown in materials.iter().flat_map(|material| of_law(&material.declared())) {
         if !all.iter().any(|other| other.name == shown.name) {
@@ -91,7 +78,7 @@ pub fn of_law(law: &Declared) -> Vec<Shown> {
         usual: v.usual,
         from_start: false,
     });
-    law.shown.iter().map(Shown::from).chain(kept).collect()
+    law.shown.iter().map(|q| q.shown).chain(kept).collect()
 }
 
 impl Scene {
@@ -99,7 +86,8 @@ impl Scene {
     pub fn source(&self, material: usize, name: &str) -> Source {
         let material = &self.materials[material];
         let law = material.declared();
-        if let Some(q) = QUANTITIES.iter().chain(&[POSITION]).chain(law.shown).find(|q| q.name == name) {
+        if let Some(q) = QUANTITIES.iter().chain(&[POSITION]).chain(law.shown).find(|q| q.shown.name == name)
+        {
             let has = q.of != Of::Deformable || !material.is_rigid();
             return if has { Source::Value(q.value) } else { Source::Nowhere };
         }

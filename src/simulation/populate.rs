@@ -48,9 +48,7 @@ pub fn recall(scene: &Scene, warehouse: &mut Warehouse) {
     if !scene.shows_start() {
         return;
     }
-    let filled = scene.bodies.iter().filter(|body| scene.materials[body.material].has_particles());
-    // in the order of identities
-    let starts: Vec<[f64; 3]> = filled.flat_map(|body| sampling::sample(scene, body)).collect();
+    let starts: Vec<[f64; 3]> = sampling::all(scene).map(|(_, x)| x).collect();
     let materials = &warehouse.materials;
     for (material, home) in warehouse.particles.iter_mut().flat_map(|patch| patch.iter_mut().enumerate()) {
         let layout = &materials[material].layout;

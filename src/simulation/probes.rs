@@ -4,7 +4,7 @@ use bytemuck::{Zeroable, cast_slice, cast_slice_mut};
 use engine::data::exact_sum::ExactSum;
 use engine::data::warehouse::Warehouse;
 use engine::exec::ranks::{Network, NetworkError, collective};
-use scene::shown::{Probe, ProbeOf, Source};
+use scene::shown::{Probe, ProbeOf};
 use scene::{Scene, sampling};
 
 /// Particles by their identities, a bit each.
@@ -64,30 +64,21 @@ impl Probes {
     }
 }
 
-/// The particles of a probe. Identities count the particles of all bodies in their order, as `populate` does.
+/// The particles of a probe.
 fn members(scene: &Scene, probe: &Probe) -> Members {
-    let (mut members, mut identity, mut nearest) = (Members::default(), 0, None);
-    for (index, body) in scene.bodies.iter().enumerate() {
-        if !scene.materials[body.material].has_particles() {
-            continue;
-        }
-        for x in sampling::sample(scene, body) {
-            let this = identity;
-            identity += 1;
-            if body.material != probe.material {
-                continue;
-            }
-            match &probe.of {
-                ProbeOf::Nearest(point) => {
-                    let distance: f64 = (0..3).map(|a| (x[a] - point[a]).powi(2)).sum();
-                    if nearest.is_none_or(|(least, _)| distance < least) {
-                        nearest = Some((distance, this));
-                    }
+    let (mut members, mut nearest) = (Members::default(), None);
+    let all = (0..).zip(sampling::all(scene));
+    for (identity, (body, x)) in all.filter(|(_, (body, _))| scene.bodies[*body].material == probe.material) {
+        match &probe.of {
+            ProbeOf::Nearest(point) => {
+                let distance: f64 = (0..3).map(|a| (x[a] - point[a]).powi(2)).sum();
+                if nearest.is_none_or(|(least, _)| distance < least) {
+                    nearest = Some((distance, identity));
                 }
-                ProbeOf::Mean(region) | ProbeOf::Largest(region) | ProbeOf::Smallest(region) => {
-                    if region.contains(index, x) {
-                        members.add(this);
-                    }
+            }
+            ProbeOf::Mean(region) | ProbeOf::Largest(region) | ProbeOf::Smallest(region) => {
+                if region.contains(body, x) {
+                    members.add(identity);
                 }
             }
         }
@@ -102,12 +93,8 @@ fn tally(scene: &Scene, warehouse: &Warehouse, probe: &Probe, members: &Members)
     for (_, block) in warehouse.blocks().filter(|(material, _)| *material == probe.material) {
         let state = State::new(scene, warehouse, probe.material, block);
         for p in (0..block.count).filter(|&p| members.has(state.identity(p))) {
-            let (particle, mut value) = (state.particle(p, &mut history), [f64::NAN; 9]);
-            match source {
-                Source::Nowhere => {}
-                Source::Value(of) => of(&particle, &mut value),
-                Source::History(number) => value[0] = particle.history[number],
-            }
+            let particle = state.particle(p, &mut history);
+            let value = source.of(&particle);
             for (tally, x) in tallies.iter_mut().zip(value).filter(|(_, x)| x.is_finite()) {
                 tally.add(particle.mass, x);
             }

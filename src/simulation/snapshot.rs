@@ -5,9 +5,9 @@ use engine::data::layout::ParticleLayout;
 use engine::data::particles::ParticleBlock;
 use engine::data::warehouse::Warehouse;
 use engine::schema::{Label, LabelId};
-use physics::quantities::Particle;
+use physics::quantities::{Particle, Shown};
 use scene::Scene;
-use scene::shown::{Shown, Source};
+use scene::shown::Source;
 use std::ops::Range;
 use tasks::labels;
 
@@ -15,14 +15,15 @@ use tasks::labels;
 pub struct Snapshot<'a> {
     scene: &'a Scene,
     warehouse: &'a Warehouse,
-    /// Where the numbers of each field are, material by material.
-    sources: Vec<Vec<Source>>,
+    /// Where the numbers of each field are, and how many, material by material.
+    sources: Vec<Vec<(Source, usize)>>,
 }
 
 impl<'a> Snapshot<'a> {
     /// The present state of a simulation of `scene`.
     pub fn new(scene: &'a Scene, warehouse: &'a Warehouse) -> Self {
-        let of_material = |m| scene.output.fields.iter().map(|shown| scene.source(m, shown.name)).collect();
+        let fields = || scene.output.fields.iter();
+        let of_material = |m| fields().map(|shown| (scene.source(m, shown.name), shown.components)).collect();
         Self { scene, warehouse, sources: (0..scene.materials.len()).map(of_material).collect() }
     }
 
@@ -64,8 +65,6 @@ impl<'a> Snapshot<'a> {
     }
 
     fn add(&self, piece: &mut Piece, material: usize, block: &ParticleBlock, rows: Range<usize>) {
-        let widths = self.scene.output.fields.iter().map(|shown| shown.components);
-        let wanted: Vec<(Source, usize)> = self.sources[material].iter().copied().zip(widths).collect();
         let state = State::new(self.scene, self.warehouse, material, block);
         let mut history = Vec::new();
         for p in rows {
@@ -74,13 +73,8 @@ impl<'a> Snapshot<'a> {
             // a scene has no more materials than fit
             piece.materials.push(material as u16);
             piece.positions.push(particle.position.map(|x| x as f32));
-            for (column, &(source, width)) in piece.columns.iter_mut().zip(&wanted) {
-                let mut value = [f64::NAN; 9];
-                match source {
-                    Source::Nowhere => {}
-                    Source::Value(of) => of(&particle, &mut value),
-                    Source::History(number) => value[0] = particle.history[number],
-                }
+            for (column, &(source, width)) in piece.columns.iter_mut().zip(&self.sources[material]) {
+                let value = source.of(&particle);
                 column.extend(value[..width].iter().map(|&x| x as f32));
             }
         }

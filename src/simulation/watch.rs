@@ -65,7 +65,7 @@ impl Watch {
         let scene = &simulation.scene;
         let told = pairs.iter().map(|(pair, _)| {
             let [a, b] = pair.map(|m| scene.materials[m].name.as_str());
-            let why = match meet(scene, pair) {
+            let why = match scene.meet(pair) {
                 true => "drives hold both. Let one of them yield, or keep them apart",
                 false => "they have no [[contact]]. Add one between them, or give their bodies one material",
             };
@@ -177,20 +177,12 @@ fn sharp(scene: &Scene) -> Vec<Said> {
     scene.bodies.iter().filter(rigid).filter_map(one).collect()
 }
 
-/// Whether two materials have a contact.
-fn meet(scene: &Scene, pair: &[usize; 2]) -> bool {
-    scene.contacts.iter().any(|contact| contact.between == *pair)
-}
-
 /// Pairs of materials with particles that have no contact, or that drives hold both.
 fn strangers(scene: &Scene) -> Vec<[usize; 2]> {
-    let has = |m: &usize| scene.materials[*m].has_particles() && scene.bodies_of(*m).next().is_some();
-    let all: Vec<usize> = (0..scene.materials.len()).filter(has).collect();
-    let pairs = all.iter().enumerate().flat_map(|(i, &b)| all[..i].iter().map(move |&a| [a, b]));
-    let rigid = |pair: &[usize; 2]| pair.iter().all(|&m| scene.materials[m].is_rigid());
     let driven = |m: &usize| scene.drives.iter().any(|drive| drive.material == *m);
-    let yields = |pair: &[usize; 2]| meet(scene, pair) && !pair.iter().all(driven);
-    pairs.filter(|pair| !yields(pair) && !rigid(pair)).collect()
+    let yields = |pair: &[usize; 2]| scene.meet(pair) && !pair.iter().all(driven);
+    let seen = |pair: &[usize; 2]| pair.iter().all(|&m| scene.materials[m].has_particles());
+    scene.pairs().into_iter().filter(|pair| seen(pair) && !yields(pair)).collect()
 }
 
 /// How close particles of two materials come that do not lie in one another [m]: well below their spacing.

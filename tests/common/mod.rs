@@ -15,6 +15,7 @@ use tasks::labels;
 use tasks::rigid::state::RigidState;
 
 pub mod command;
+pub mod rubber;
 mod splitmix;
 #[allow(unused_imports)] // each test takes what it needs
 pub use splitmix::Random;

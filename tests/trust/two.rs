@@ -62,7 +62,7 @@ fn act(slot: &mut Option<Child>, out: &Path, random: &mut Random) -> bool {
 /// `SINEW_TEST_KILLS` sets how often at least one is killed.
 #[test]
 fn two_processes_in_one_folder_leave_one_run() {
-    let least = command::kills(20);
+    let least = command::kills(23);
     let mut random = Random(std::process::id().into());
     let folder = temporary();
     let whole = folder.path().join("whole");

@@ -123,12 +123,7 @@ fn geometry(scene: &Scene) -> Vec<String> {
     lines.extend(
         thinnest.map(|body| format!("thinnest       {}: {:.1} cells across", body.name, across(body))),
     );
-    let used: Vec<usize> =
-        (0..scene.materials.len()).filter(|&m| scene.bodies_of(m).next().is_some()).collect();
-    let pairs = used.iter().enumerate().flat_map(|(i, &a)| used[i + 1..].iter().map(move |&b| [a, b]));
-    let meets = |pair: &[usize; 2]| scene.contacts.iter().any(|contact| contact.between == *pair);
-    let rigid = |pair: &[usize; 2]| pair.iter().all(|&m| scene.materials[m].is_rigid());
-    let mut free = pairs.filter(|pair| !meets(pair) && !rigid(pair));
+    let mut free = scene.pairs().into_iter().filter(|pair| !scene.meet(pair));
     let name = |pair: [usize; 2]| pair.map(|m| scene.materials[m].name.as_str()).join(" and ");
     let mut names: Vec<String> = free.by_ref().take(MOST_PAIRS).map(name).collect();
     match free.count() {

@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let frames = Frames { scene: &scene, reader: &reader, numbers, fields };
     let (all, shows) = (frames.numbers.len(), std::io::stderr().is_terminal());
     let mut done = 0;
-    let written = frames.export(format, &folder, &mut |_| {
+    let written = frames.export(format, &folder, &mut || {
         done += 1;
         if shows {
             eprint!("\r{done} of {all} frames");
@@ -72,9 +72,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if shows && done > 0 {
         eprintln!();
     }
-    if let Some(first) = written?.first() {
-        println!("{}", first.display());
-    }
+    println!("{}", written?.display());
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use crate::output::error::{Error, Result, io};
 use crate::output::frame::{Field, part_names};
 use crate::output::snapshot::Snapshot;
 use crate::output::vtkhdf::Reader;
-use scene::{Domain, Scene, sampling};
+use scene::Scene;
 use std::path::{Path, PathBuf};
 
 /// A format of another program.
@@ -36,20 +36,12 @@ pub struct Frames<'a> {
     pub fields: Vec<Field>,
 }
 
-/// A frame, its particles in the order of their identities.
-struct Table {
-    /// Which of the run's.
-    number: usize,
-    frame: Snapshot,
-}
-
 impl Frames<'_> {
-    /// Writes them into a folder. `told` hears of each frame that is done; the files written are the answer, the one to open
-    /// first.
+    /// Writes them into a folder. `told` hears of each frame that is done; the file to open is the answer.
     ///
     /// # Errors
     /// If a frame is damaged, the format cannot hold the frames, or a file cannot be written.
-    pub fn export(&self, format: Format, folder: &Path, told: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>> {
+    pub fn export(&self, format: Format, folder: &Path, told: &mut dyn FnMut()) -> Result<PathBuf> {
         std::fs::create_dir_all(folder).map_err(io("create", folder))?;
         match format {
             Format::Vtp => vtp::write(self, folder, told),
@@ -59,8 +51,8 @@ impl Frames<'_> {
         }
     }
 
-    /// One of the frames that are wanted.
-    fn table(&self, number: usize) -> Result<Table> {
+    /// One of the frames that are wanted, its particles in the order of their identities.
+    fn frame(&self, number: usize) -> Result<Snapshot> {
         let names: Vec<&str> = self.fields.iter().map(|field| field.name.as_str()).collect();
         let frame = self.reader.frame_with(number, &names).map_err(|error| match error {
             Error::Content { path, problem } => {
@@ -68,18 +60,11 @@ impl Frames<'_> {
             }
             other => other,
         })?;
-        Ok(Table { number, frame: sorted(frame) })
+        Ok(sorted(frame))
     }
 
     fn materials(&self) -> impl Iterator<Item = &str> {
         self.scene.materials.iter().map(|material| material.name.as_str())
-    }
-
-    /// The corners of the domain [m].
-    fn corners(&self) -> [[f64; 3]; 2] {
-        let domain: &Domain = &self.scene.domain;
-        let (lower, upper) = sampling::inside(domain);
-        [lower, upper]
     }
 }
 
@@ -88,8 +73,8 @@ fn sorted(frame: Snapshot) -> Snapshot {
     let mut order: Vec<usize> = (0..frame.identities.len()).collect();
     order.sort_unstable_by_key(|&row| frame.identities[row]);
     let columns = frame.columns.into_iter().map(|(field, values)| {
-        let rows = order.iter().flat_map(|row| &values[row * field.components..(row + 1) * field.components]);
-        let values = rows.copied().collect();
+        let row = |&row: &usize| &values[row * field.components..(row + 1) * field.components];
+        let values = order.iter().flat_map(row).copied().collect();
         (field, values)
     });
     Snapshot {
@@ -109,11 +94,9 @@ fn component_names(field: &Field) -> Vec<String> {
     }
 }
 
-impl Table {
-    /// The values of a row, field by field.
-    fn row(&self, row: usize) -> impl Iterator<Item = f32> {
-        self.frame.columns.iter().flat_map(move |(field, values)| {
-            values[row * field.components..(row + 1) * field.components].iter().copied()
-        })
-    }
+/// The values of a row, field by field.
+fn values(frame: &Snapshot, row: usize) -> impl Iterator<Item = f32> {
+    frame.columns.iter().flat_map(move |(field, values)| {
+        values[row * field.components..(row + 1) * field.components].iter().copied()
+    })
 }

@@ -2,66 +2,62 @@
 //! (<https://ambermd.org/netcdf/nctraj.xhtml>), in SI and with a column for every field. A cell would mean that it repeats:
 //! there is none.
 use super::Frames;
-use crate::output::create::{create, remove};
-use crate::output::draft;
+use crate::output::create::write_aside;
 use crate::output::error::{Error, Result, io};
 use crate::output::frame::Field;
+use crate::output::snapshot::Snapshot;
 use netcdf3::{DataSet, FileWriter, InvalidDataSet, Version, WriteError};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Writes the file.
-pub fn write(frames: &Frames, folder: &Path, told: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>> {
+pub fn write(frames: &Frames, folder: &Path, told: &mut dyn FnMut()) -> Result<PathBuf> {
     let path = folder.join("particles.nc");
-    let aside = draft::aside(&path);
-    let written = put(frames, &path, &aside, told)
-        .and_then(|()| std::fs::rename(&aside, &path).map_err(io("write", &path)));
-    if written.is_err() {
-        // best effort: the error that matters is the one returned
-        let _ = remove(&aside);
-    }
-    written.map(|()| vec![path])
+    let data = describe(frames, particles(frames, &path)?).map_err(|error| foreign(&path, error))?;
+    write_aside(&path, |file| {
+        let failed = |error: WriteError| match error {
+            WriteError::IOErrorKind(kind) => io("write", &path)(kind.into()),
+            other => foreign(&path, format!("{other:?}")),
+        };
+        let file = file.try_clone().map_err(io("write", &path))?;
+        let mut file = FileWriter::open_seek_write("particles.nc", Box::new(file)).map_err(failed)?;
+        file.set_def(&data, Version::Offset64Bit, 0).map_err(failed)?;
+        file.write_var_u8("spatial", b"xyz").map_err(failed)?;
+        for (k, &number) in frames.numbers.iter().enumerate() {
+            record(&mut file, k, &frames.frame(number)?).map_err(failed)?;
+            told();
+        }
+        file.close().map_err(failed)
+    })?;
+    Ok(path)
 }
 
-fn put(frames: &Frames, path: &Path, aside: &Path, told: &mut dyn FnMut(usize)) -> Result<()> {
-    let wrong = |problem: String| Error::Content { path: path.into(), problem };
-    let mut tables = frames.numbers.iter().map(|&number| frames.table(number)).peekable();
-    let first = match tables.next() {
-        Some(first) => first?,
-        None => return Err(wrong("there are no frames to write".into())),
-    };
-    let n = first.frame.positions.len();
-    let counts = frames.numbers.iter().map(|&number| (number, frames.reader.particles(number)));
-    if let Some((number, count)) = counts.into_iter().find(|&(_, count)| count != n || count == 0) {
-        return Err(wrong(format!(
+fn foreign(path: &Path, what: impl Display) -> Error {
+    Error::Content { path: path.into(), problem: format!("NetCDF cannot hold this: {what}") }
+}
+
+/// The number of particles, which all frames must have.
+fn particles(frames: &Frames, path: &Path) -> Result<usize> {
+    let wrong = |problem: String| Err(Error::Content { path: path.into(), problem });
+    let mut counts = frames.numbers.iter().map(|&number| (number, frames.reader.particles(number)));
+    let Some((_, n)) = counts.clone().next() else { return wrong("there are no frames to write".into()) };
+    match counts.find(|&(_, count)| count != n || count == 0) {
+        None => Ok(n),
+        Some((number, count)) => wrong(format!(
             "frame {number} has {count} particles, the first one {n}: this format has as many in all frames, and some. Choose \
              others with --frames, or --format vtp or lammps"
-        )));
+        )),
     }
-    let described = |error: InvalidDataSet| wrong(format!("NetCDF cannot hold this: {error}"));
-    let data = describe(frames, n).map_err(described)?;
-    let failed = |error: WriteError| match error {
-        WriteError::IOErrorKind(kind) => io("write", path)(kind.into()),
-        other => wrong(format!("NetCDF cannot hold this: {other:?}")),
-    };
-    let mut file = FileWriter::open_seek_write("particles.nc", Box::new(create(aside)?)).map_err(failed)?;
-    file.set_def(&data, Version::Offset64Bit, 0).map_err(failed)?;
-    file.write_var_u8("spatial", b"xyz").map_err(failed)?;
-    for (k, table) in std::iter::once(Ok(first)).chain(tables).enumerate() {
-        let table = table?;
-        let frame = &table.frame;
-        let numbers: Vec<i32> = frame.identities.iter().map(|id| *id as i32).collect();
-        let kinds: Vec<i32> = frame.materials.iter().map(|&m| m.into()).collect();
-        let mut all = || {
-            file.write_record_f64("time", k, &[frame.time])?;
-            file.write_record_i32("id", k, &numbers)?;
-            file.write_record_i32("type", k, &kinds)?;
-            file.write_record_f32("coordinates", k, frame.positions.as_flattened())?;
-            frame.columns.iter().try_for_each(|(field, values)| file.write_record_f32(name(field), k, values))
-        };
-        all().map_err(failed)?;
-        told(table.number);
-    }
-    file.close().map_err(failed)
+}
+
+fn record(file: &mut FileWriter, k: usize, frame: &Snapshot) -> std::result::Result<(), WriteError> {
+    let numbers: Vec<i32> = frame.identities.iter().map(|id| *id as i32).collect();
+    let kinds: Vec<i32> = frame.materials.iter().map(|&m| m.into()).collect();
+    file.write_record_f64("time", k, &[frame.time])?;
+    file.write_record_i32("id", k, &numbers)?;
+    file.write_record_i32("type", k, &kinds)?;
+    file.write_record_f32("coordinates", k, frame.positions.as_flattened())?;
+    frame.columns.iter().try_for_each(|(field, values)| file.write_record_f32(name(field), k, values))
 }
 
 /// What AMBER calls a velocity, so that who reads the file knows it for one.

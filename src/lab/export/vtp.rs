@@ -1,26 +1,25 @@
 //! VTK PolyData in XML: `frame-000000.vtp` with all arrays appended as bytes, and `particles.pvd` with the times
 //! (<https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>).
-use super::{Frames, Table};
+use super::Frames;
 use crate::output::create::write_by;
 use crate::output::error::Result;
+use crate::output::frame::part_names;
+use crate::output::snapshot::Snapshot;
 use bytemuck::{Pod, cast_slice};
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Writes a file a frame, and the collection, which comes first.
-pub fn write(frames: &Frames, folder: &Path, told: &mut dyn FnMut(usize)) -> Result<Vec<PathBuf>> {
+/// Writes a file a frame, and the collection of them.
+pub fn write(frames: &Frames, folder: &Path, told: &mut dyn FnMut()) -> Result<PathBuf> {
     let collection = folder.join("particles.pvd");
-    let (mut written, mut list) = (vec![collection.clone()], String::new());
+    let mut list = String::new();
     for &number in &frames.numbers {
-        let table = frames.table(number)?;
-        let name = format!("frame-{number:06}.vtp");
-        let path = folder.join(&name);
-        let file = poly_data(frames, &table);
-        write_by(&path, |out| file.write(out))?;
-        list += &format!("<DataSet timestep=\"{}\" file=\"{name}\"/>\n", table.frame.time);
-        told(number);
-        written.push(path);
+        let (frame, name) = (frames.frame(number)?, format!("frame-{number:06}.vtp"));
+        let file = poly_data(frames, &frame);
+        write_by(&folder.join(&name), |out| file.write(out))?;
+        list += &format!("<DataSet timestep=\"{}\" file=\"{name}\"/>\n", frame.time);
+        told();
     }
     write_by(&collection, |out| {
         writeln!(
@@ -29,7 +28,7 @@ pub fn write(frames: &Frames, folder: &Path, told: &mut dyn FnMut(usize)) -> Res
         )?;
         writeln!(out, "<Collection>\n{list}</Collection>\n</VTKFile>")
     })?;
-    Ok(written)
+    Ok(collection)
 }
 
 /// What is between `<PolyData>` and its end, and the bytes that it refers to.
@@ -39,9 +38,8 @@ struct File {
     bytes: Vec<u8>,
 }
 
-fn poly_data(frames: &Frames, table: &Table) -> File {
-    let (frame, n) = (&table.frame, table.frame.positions.len());
-    let mut file = File::default();
+fn poly_data(frames: &Frames, frame: &Snapshot) -> File {
+    let (n, mut file) = (frame.positions.len(), File::default());
     file.xml += "<FieldData>\n";
     file.array("Float64", "TimeValue", 1, &[frame.time], " NumberOfTuples=\"1\"");
     file.names(frames.materials());
@@ -59,8 +57,9 @@ fn poly_data(frames: &Frames, table: &Table) -> File {
     file.array("UInt64", "id", 1, &frame.identities, "");
     file.array("UInt16", "material", 1, &frame.materials, "");
     for (field, values) in &frame.columns {
-        let parts: &[&str] = if field.components == 6 { &["XX", "YY", "ZZ", "XY", "YZ", "XZ"] } else { &[] };
-        let parts = parts.iter().enumerate().map(|(i, part)| format!(" ComponentName{i}=\"{part}\""));
+        // the others VTK names by itself
+        let parts = if field.components == 6 { part_names(6) } else { &[] }.iter().enumerate();
+        let parts = parts.map(|(i, part)| format!(" ComponentName{i}=\"{}\"", part.to_uppercase()));
         file.array("Float32", &field.name, field.components, values, &parts.collect::<String>());
     }
     file.xml += "</PointData>\n</Piece>\n";

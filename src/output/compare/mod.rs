@@ -7,6 +7,8 @@ mod tolerances;
 pub use sources::{checkpoint_particles, checkpoint_shared, frame_particles};
 pub use tolerances::Tolerances;
 
+use crate::output::frame::part_names;
+
 /// A label of particles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
@@ -89,10 +91,9 @@ impl Comparison {
 pub fn component_name(label: &str, (component, of): (usize, usize)) -> String {
     let names: &[&str] = match of {
         1 => return label.to_owned(),
-        3 => &["x", "y", "z"],
+        // row by row, as checkpoints have them
         6 => &["xx", "xy", "xz", "yy", "yz", "zz"],
-        9 => &["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"],
-        _ => &[],
+        many => part_names(many),
     };
     names.get(component).map_or_else(|| format!("{label}.{component}"), |name| format!("{label}.{name}"))
 }
