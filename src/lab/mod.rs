@@ -2,6 +2,8 @@
 pub mod bench;
 pub mod diagram;
 pub mod export;
+pub mod figure;
+pub mod overview;
 pub mod picture;
 pub mod plan;
 pub mod plot;

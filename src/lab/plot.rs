@@ -1,5 +1,6 @@
-//! Plots of lines as SVG: linear or logarithmic axes, a legend, nothing else.
-use std::fmt::Write;
+//! Plots of lines: linear or logarithmic axes, a legend, nothing else.
+use super::figure::axis::{Axis, Quantity, Scale};
+use super::figure::{Anchor, Color, Figure, Mark, Type, colors};
 
 /// A line of a plot.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,7 +17,7 @@ pub struct Plot {
     /// Above it.
     pub title: String,
     /// Along x and y.
-    pub axes: [String; 2],
+    pub axes: [Quantity; 2],
     /// Which of them are logarithmic.
     pub log: [bool; 2],
     /// Whether each point has a mark.
@@ -25,181 +26,223 @@ pub struct Plot {
     pub lines: Vec<Line>,
 }
 
-/// Colors that a color-blind person can tell apart (after P. Tol).
-const COLORS: [&str; 7] = ["#3b76af", "#c4702b", "#2f8a4c", "#8d4a93", "#9b8a1c", "#2b8a99", "#555555"];
-const WIDTH: f64 = 720.0;
-const HEIGHT: f64 = 440.0;
-/// Left, right, top and bottom of the frame.
-const FRAME: [f64; 4] = [70.0, 520.0, 40.0, 390.0];
-const STYLE: &str = "text{font-family:sans-serif;font-size:12px;fill:#222}.grid{stroke:#ddd}.frame{fill:none;stroke:#888}\
-polyline{fill:none;stroke-width:1.8}";
+const TITLE: Type = Type::new(9.0).bold();
+const LABEL: Type = Type::new(8.0);
+const TICK: Type = Type::new(7.0).color([70, 76, 86]);
+const GRID: Color = [228, 231, 235];
+const FRAME: Color = [140, 146, 156];
+/// Widths of lines [mm].
+const THIN: f64 = 0.15;
+const THICK: f64 = 0.45;
+const MARGIN: f64 = 3.0;
+/// Height of the frame over its width.
+const SHAPE: f64 = 0.6;
+/// Lines beyond the number of colors are dashed.
+const DASHES: [&[f64]; 3] = [&[], &[1.8, 1.0], &[0.5, 0.8]];
+/// Length of a line in the legend [mm].
+const SAMPLE: f64 = 6.0;
+/// The narrowest figure [mm].
+pub const NARROWEST: f64 = 40.0;
 
-/// An axis: from and to, logarithmic or not.
-#[derive(Clone, Copy)]
-struct Axis {
-    from: f64,
-    to: f64,
-    log: bool,
+/// The frame of a plot on its figure, and what is in it.
+struct Frame {
+    low: [f64; 2],
+    high: [f64; 2],
+    axes: [Axis; 2],
 }
 
-impl Axis {
-    fn of(values: impl Iterator<Item = f64>, log: bool) -> Self {
-        let ok = values.filter(|x| x.is_finite() && (!log || *x > 0.0));
-        let (low, high) = ok.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        match (low <= high, log) {
-            (false, _) => Self { from: 1.0, to: 10.0, log },
-            (true, true) => Self { from: low / 1.15, to: high * 1.15, log },
-            (true, false) => {
-                let (low, high) = (low.min(0.0), high.max(0.0));
-                let room = 0.05 * (high - low).max(f64::MIN_POSITIVE);
-                Self { from: if low < 0.0 { low - room } else { 0.0 }, to: high + room, log }
-            }
-        }
+impl Frame {
+    fn place(&self, p: [f64; 2]) -> [f64; 2] {
+        let [u, v] = [self.axes[0].at(p[0]), self.axes[1].at(p[1])];
+        [self.low[0] + u * (self.high[0] - self.low[0]), self.high[1] - v * (self.high[1] - self.low[1])]
     }
 
-    /// Where a value is, from 0 to 1.
-    fn at(self, x: f64) -> f64 {
-        match self.log {
-            true => (x / self.from).ln() / (self.to / self.from).ln(),
-            false => (x - self.from) / (self.to - self.from),
-        }
-    }
-
-    fn ticks(self) -> Vec<f64> {
-        if self.log {
-            let decades = (self.to / self.from).log10();
-            let steps: &[f64] = match decades {
-                d if d > 4.0 => &[1.0],
-                d if d > 1.5 => &[1.0, 3.0],
-                _ => &[1.0, 2.0, 4.0, 6.0, 8.0],
-            };
-            let (first, last) = (self.from.log10().floor() as i32, self.to.log10().ceil() as i32);
-            let all = (first..=last).flat_map(|e| steps.iter().map(move |s| s * 10f64.powi(e)));
-            return all.filter(|x| (self.from..=self.to).contains(x)).collect();
-        }
-        let rough = (self.to - self.from) / 5.0;
-        let unit = 10f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|s| s * unit).find(|s| *s >= rough).unwrap_or(rough);
-        let (first, last) = ((self.from / step).ceil() as i64, (self.to / step).floor() as i64);
-        (first..=last).map(|n| n as f64 * step).collect()
+    fn shows(&self, p: &[f64; 2]) -> bool {
+        self.axes[0].has(p[0]) && self.axes[1].has(p[1])
     }
 }
 
 impl Plot {
-    /// The plot as a file.
-    pub fn to_svg(&self) -> String {
-        let points = || self.lines.iter().flat_map(|line| &line.points);
-        let x = Axis::of(points().map(|p| p[0]), self.log[0]);
-        let y = Axis::of(points().map(|p| p[1]), self.log[1]);
-        let [left, right, top, bottom] = FRAME;
-        let px = |value: f64| left + x.at(value) * (right - left);
-        let py = |value: f64| bottom - y.at(value) * (bottom - top);
-        let mut out = format!(
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
-             width=\"{WIDTH}\" height=\"{HEIGHT}\">\n<style>{STYLE}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"
-        );
-        self.grid(&mut out, (x, y), (&px, &py));
+    /// The plot, `width` millimeters wide.
+    pub fn draw(&self, width: f64) -> Figure {
+        let width = width.max(NARROWEST);
+        let points = || self.lines.iter().flat_map(|line| &line.points).filter(|p| self.is_shown(p));
+        let axes = [0, 1].map(|a| Axis::of(points().map(|p| p[a]), self.log[a], a == 1));
+        let scales = [0, 1].map(|a| match self.log[a] {
+            true => Scale::ONE,
+            false => self.axes[a].scale(axes[a].from.abs().max(axes[a].to.abs())),
+        });
+        let ticks =
+            [0, 1].map(|a| axes[a].ticks(if a == 0 { (width / 18.0) as usize } else { 6 }, scales[a].one));
+        let widest = ticks[1].iter().map(|(_, words)| TICK.width(words)).fold(0.0, f64::max);
+        let title = TITLE.wrap(&self.title, width - 2.0 * MARGIN);
+        let legend = self.legend(width - 2.0 * MARGIN);
+        let right = width - MARGIN - 2.0;
+        let labels = [0, 1].map(|a| self.axes[a].label(scales[a].clone()));
+        // a name that is longer than the frame is high stands above it
+        let beside = MARGIN + LABEL.line_height() + 1.0 + widest + 1.2;
+        let above = LABEL.width(&labels[1]) > SHAPE * (right - beside);
+        let left = if above { MARGIN + widest + 1.2 } else { beside };
+        let head = title.len() as f64 * TITLE.line_height() + legend.size[1];
+        let top = MARGIN + head + 1.0 + if above { LABEL.line_height() } else { 0.0 };
+        let bottom = top + SHAPE * (right - left).max(10.0);
+        let frame = Frame { low: [left, top], high: [right, bottom], axes };
+        let below = bottom + 1.2 + TICK.line_height() + LABEL.line_height();
+        let mut figure = Figure::new([width, below + MARGIN]);
+        for (n, words) in title.iter().enumerate() {
+            figure.text([MARGIN, MARGIN + (n as f64 + 0.75) * TITLE.line_height()], words, TITLE);
+        }
+        figure.place(legend, [MARGIN, MARGIN + title.len() as f64 * TITLE.line_height() + 0.5]);
+        self.axes(&mut figure, &frame, ticks);
+        let [along, up] = labels;
+        let below = bottom + 1.2 + TICK.line_height() + 0.75 * LABEL.line_height();
+        figure.text([0.5 * (left + right), below], along, LABEL.anchor(Anchor::Middle));
+        match above {
+            true => figure.text([MARGIN, top - 0.4 * LABEL.line_height()], up, LABEL),
+            false => {
+                let at = [MARGIN + 0.75 * LABEL.line_height(), 0.5 * (top + bottom)];
+                figure.text(at, up, LABEL.anchor(Anchor::Middle).upright());
+            }
+        }
+        self.lines.iter().enumerate().for_each(|(n, line)| self.line(&mut figure, &frame, line, n));
+        figure
+    }
+
+    fn is_shown(&self, p: &[f64; 2]) -> bool {
+        (0..2).all(|a| p[a].is_finite() && (!self.log[a] || p[a] > 0.0))
+    }
+
+    fn axes(&self, figure: &mut Figure, frame: &Frame, [along, up]: [Vec<(f64, String)>; 2]) {
+        let ([left, top], [right, bottom]) = (frame.low, frame.high);
+        let grid = |words: &str| if words.is_empty() { 0.5 * THIN } else { THIN };
+        for (x, words) in along {
+            let at = frame.place([x, frame.axes[1].from])[0];
+            figure.line(&[[at, top], [at, bottom]], GRID, grid(&words));
+            figure.text([at, bottom + TICK.line_height()], words, TICK.anchor(Anchor::Middle));
+        }
+        for (y, words) in up {
+            let at = frame.place([frame.axes[0].from, y])[1];
+            figure.line(&[[left, at], [right, at]], GRID, grid(&words));
+            figure.text(
+                [left - 1.2, at + 0.35 * TICK.size * super::figure::POINT],
+                words,
+                TICK.anchor(Anchor::End),
+            );
+        }
+        for a in 0..2 {
+            // where zero is
+            if !frame.axes[a].log && frame.axes[a].from < 0.0 && frame.axes[a].to > 0.0 {
+                let ends = [frame.axes[1 - a].from, frame.axes[1 - a].to];
+                let line = ends.map(|end| frame.place(if a == 0 { [0.0, end] } else { [end, 0.0] }));
+                figure.line(&line, FRAME, THIN);
+            }
+        }
+        figure.frame(frame.low, frame.high, FRAME, 1.5 * THIN);
+    }
+
+    fn line(&self, figure: &mut Figure, frame: &Frame, line: &Line, n: usize) {
+        let (color, dashes) = style(n);
+        // a gap in the numbers is a gap in the line
+        for part in line.points.split(|p| !frame.shows(p)).filter(|part| !part.is_empty()) {
+            let points = part.iter().map(|p| frame.place(*p)).collect();
+            figure.marks.push(Mark::Line { points, color, width: THICK, dashes });
+        }
+        if self.marks {
+            let shown = line.points.iter().filter(|p| frame.shows(p));
+            figure.marks.extend(shown.map(|p| Mark::Disc { center: frame.place(*p), radius: 0.8, color }));
+        }
+    }
+
+    /// Names of the lines in rows above the frame; none of a single line, which the axis names.
+    fn legend(&self, room: f64) -> Figure {
+        let mut figure = Figure::new([room, 0.0]);
+        if self.lines.len() < 2 {
+            return figure;
+        }
+        let row = LABEL.line_height();
+        let (mut x, mut y) = (0.0, 0.0);
         for (n, line) in self.lines.iter().enumerate() {
-            let color = COLORS[n % COLORS.len()];
-            let is_shown = |p: &&[f64; 2]| (0..2).all(|a| p[a].is_finite() && (!self.log[a] || p[a] > 0.0));
-            let shown = line.points.iter().filter(is_shown);
-            let places: Vec<[f64; 2]> = shown.map(|p| [px(p[0]), py(p[1])]).collect();
-            let marks: &[[f64; 2]] = if self.marks { &places } else { &[] };
-            draw(&mut out, line, color, (&places, marks), top + 20.0 * n as f64);
+            let (color, dashes) = style(n);
+            let width = SAMPLE + 1.5 + LABEL.width(&line.name) + 4.0;
+            if x > 0.0 && x + width > room {
+                (x, y) = (0.0, y + row);
+            }
+            let points = vec![[x, y + 0.55 * row], [x + SAMPLE, y + 0.55 * row]];
+            figure.marks.push(Mark::Line { points, color, width: THICK, dashes });
+            figure.text([x + SAMPLE + 1.5, y + 0.78 * row], &line.name, LABEL);
+            x += width;
         }
-        out.push_str("</svg>\n");
-        out
-    }
-
-    fn grid(
-        &self,
-        out: &mut String,
-        (x, y): (Axis, Axis),
-        (px, py): (&dyn Fn(f64) -> f64, &dyn Fn(f64) -> f64),
-    ) {
-        let [left, right, top, bottom] = FRAME;
-        let mut line = |text: String| out.push_str(&(text + "\n"));
-        for tick in x.ticks() {
-            let at = px(tick);
-            line(format!("<path class=\"grid\" d=\"M{at:.1} {top}V{bottom}\"/>"));
-            let below = bottom + 16.0;
-            line(format!("<text x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">{}</text>", short(tick)));
-        }
-        for tick in y.ticks() {
-            let at = py(tick);
-            line(format!("<path class=\"grid\" d=\"M{left} {at:.1}H{right}\"/>"));
-            let (before, low) = (left - 6.0, at + 4.0);
-            line(format!("<text x=\"{before}\" y=\"{low:.1}\" text-anchor=\"end\">{}</text>", short(tick)));
-        }
-        let (w, h, middle) = (right - left, bottom - top, 0.5 * (left + right));
-        line(format!("<rect class=\"frame\" x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\"/>"));
-        let [along, up] = &self.axes.each_ref().map(|text| escape(text));
-        line(format!("<text x=\"{left}\" y=\"22\" font-weight=\"bold\">{}</text>", escape(&self.title)));
-        line(format!("<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">{along}</text>", bottom + 38.0));
-        let center = 0.5 * (top + bottom);
-        line(format!(
-            "<text transform=\"translate(18 {center}) rotate(-90)\" text-anchor=\"middle\">{up}</text>"
-        ));
+        figure.size[1] = y + row + 1.0;
+        figure
     }
 }
 
-/// A line with its marks and its place in the legend.
-fn draw(
-    out: &mut String,
-    line: &Line,
-    color: &str,
-    (places, marks): (&[[f64; 2]], &[[f64; 2]]),
-    legend: f64,
-) {
-    let path: Vec<String> = places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
-    let _ = writeln!(out, "<polyline points=\"{}\" stroke=\"{color}\"/>", path.join(" "));
-    for [x, y] in marks {
-        let _ = writeln!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{color}\"/>");
-    }
-    let (from, to) = (FRAME[1] + 12.0, FRAME[1] + 32.0);
-    let y = legend + 8.0;
-    let _ = writeln!(out, "<polyline points=\"{from},{y} {to},{y}\" stroke=\"{color}\"/>");
-    let _ = writeln!(out, "<text x=\"{}\" y=\"{}\">{}</text>", to + 6.0, y + 4.0, escape(&line.name));
-}
-
-fn short(x: f64) -> String {
-    match x.abs() {
-        a if a >= 1e5 || (a > 0.0 && a < 1e-3) => format!("{x:e}"),
-        _ => format!("{}", (x * 1e6).round() / 1e6),
-    }
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+/// Color and dashes of a line.
+fn style(n: usize) -> (Color, &'static [f64]) {
+    (colors::LINES[n % colors::LINES.len()], DASHES[n / colors::LINES.len() % DASHES.len()])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn points_lie_inside_the_frame_and_text_is_escaped() {
+    fn plot() -> Plot {
         let points = vec![[1.0, 1.0], [10.0, 0.5], [1e5, 0.25], [f64::NAN, 1.0]];
-        let line = Line { name: "a < b".into(), points };
-        let plot = Plot {
-            title: "t".into(),
-            axes: ["x".into(), "y".into()],
+        let line = |name: &str| Line { name: name.into(), points: points.clone() };
+        Plot {
+            title: "a title that is much longer than the figure is wide: it goes on in lines of its own"
+                .into(),
+            axes: ["workers", "efficiency"].map(Quantity::plain),
             log: [true, false],
             marks: true,
-            lines: vec![line],
-        };
-        let svg = plot.to_svg();
-        assert!(svg.contains("a &lt; b") && !svg.contains("NaN") && !svg.contains("inf"));
-        assert_eq!(svg.matches("<circle").count(), 3);
-        let value = |part: &str, key: &str| -> f64 {
-            let (_, after) = part.split_once(&format!("{key}=\"")).expect("the key");
-            after.split('"').next().expect("a number").parse().expect("a number")
-        };
-        for circle in svg.lines().filter(|line| line.starts_with("<circle")) {
-            let (x, y) = (value(circle, "cx"), value(circle, "cy"));
-            assert!((FRAME[0]..=FRAME[1]).contains(&x) && (FRAME[2]..=FRAME[3]).contains(&y), "{circle}");
+            lines: vec![line("a < b"), line("second")],
         }
-        let empty = Plot { lines: Vec::new(), ..plot };
-        assert!(empty.to_svg().ends_with("</svg>\n"));
+    }
+
+    #[test]
+    fn all_that_is_drawn_lies_on_the_figure() {
+        for width in [10.0, 85.0, 170.0] {
+            let figure = plot().draw(width);
+            let [w, h] = figure.size;
+            let inside = |p: &[f64; 2]| (0.0..=w).contains(&p[0]) && (0.0..=h).contains(&p[1]);
+            for mark in &figure.marks {
+                match mark {
+                    Mark::Line { points, .. } => assert!(points.iter().all(inside), "{points:?}"),
+                    Mark::Disc { center, .. } => assert!(inside(center)),
+                    Mark::Text { at, text, font } => {
+                        let end = font.width(text)
+                            * match font.anchor {
+                                Anchor::Start => 1.0,
+                                Anchor::Middle => 0.5,
+                                Anchor::End => 0.0,
+                            };
+                        assert!(
+                            inside(at) && (font.upright || at[0] + end <= w + 0.01),
+                            "{text} at {at:?} of {w}"
+                        );
+                    }
+                    _ => {}
+                }
+            }
+            let discs = figure.marks.iter().filter(|mark| matches!(mark, Mark::Disc { .. }));
+            assert_eq!(discs.count(), 6, "no mark where there is no number");
+        }
+    }
+
+    #[test]
+    fn names_are_text_and_pixels_show_the_lines() -> Result<(), String> {
+        let figure = plot().draw(85.0);
+        let svg = figure.to_svg()?;
+        assert!(svg.contains("a &lt; b") && !svg.contains("NaN") && !svg.contains("inf"));
+        assert!(resvg::usvg::roxmltree::Document::parse(&svg).is_ok());
+        let raster = figure.rasterize(150.0)?;
+        assert_eq!(raster.size, figure.pixels(150.0)?);
+        let near = |p: &Color, q: Color| p.iter().zip(q).all(|(a, b)| a.abs_diff(b) < 12);
+        for color in &colors::LINES[..2] {
+            assert!(raster.pixels.iter().filter(|p| near(p, *color)).count() > 50, "{color:?}");
+        }
+        let empty = Plot { lines: Vec::new(), ..plot() };
+        assert!(empty.draw(85.0).to_svg()?.ends_with("</svg>\n"));
+        Ok(())
     }
 }

@@ -35,6 +35,9 @@ pub struct Summary {
     pub time_s: f64,
     /// Seconds on the clock.
     pub wall_s: f64,
+    /// Where the seconds since the last start went, with the most first.
+    #[serde(default)]
+    pub timing: Vec<Timing>,
     /// Particles at the end.
     pub particles: u64,
     /// Particle updates a second.
@@ -78,6 +81,21 @@ pub struct Summary {
     /// What else there is to say.
     #[serde(flatten)]
     pub more: BTreeMap<String, serde_json::Value>,
+}
+
+/// What a part of the time went to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// The tasks of a stage, or what else it was.
+    pub what: String,
+    /// Of all time, from 0 to 1.
+    pub share: f64,
+    /// Seconds: the mean over ranks.
+    pub mean_s: f64,
+    /// The least of a rank [s].
+    pub least_s: f64,
+    /// The most of a rank [s].
+    pub most_s: f64,
 }
 
 /// Energy by part [J].

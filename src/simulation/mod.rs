@@ -17,6 +17,7 @@ pub mod recorder;
 pub mod report;
 mod snapshot;
 mod surfaces;
+mod timing;
 mod together;
 pub mod watch;
 
@@ -183,6 +184,8 @@ impl Simulation {
 
     /// Runs a program: that of a step, or another one.
     fn execute(&mut self, other: Option<&Program>) -> Result<(), RunError> {
+        // what comes before the first step is none
+        self.engine.trace().pause(other.is_some());
         let Self { scene, warehouse, program, engine, network, ledger, steps, updates, impatient, .. } = self;
         let (level, clock) = (warehouse.level, warehouse.shared.get(labels::Time::ID, 0));
         let mut direction = Direction { scene, level, ledger, updates, step: *steps, clock, impatient };
@@ -269,7 +272,7 @@ impl Simulation {
         &mut *self.network
     }
 
-    /// Records from now on what each worker does, at most `bound` events a worker.
+    /// Records anew from now on what each worker does, at most `bound` events a worker.
     pub fn set_trace(&mut self, bound: usize) {
         self.engine.set_trace(bound);
     }

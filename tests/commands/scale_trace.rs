@@ -42,7 +42,7 @@ impl Span {
             Kind::ReduceWait if line.name() == "travelers" => Some(Self::Travelers),
             Kind::ReduceWait => Some(Self::Reduced(about.phase)),
             Kind::Relocate => Some(Self::Relocated),
-            Kind::Output | Kind::Idle => None,
+            Kind::Arrange | Kind::Output | Kind::Idle => None,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What the command line says of a scene and of a run.
 use super::fail::Failure;
+use super::voice::Loudness;
 use scene::Scene;
 use std::path::PathBuf;
 
@@ -100,7 +101,6 @@ pub struct RunArgs {
     /// sinew graph --trace
     #[arg(long)]
     pub trace: bool,
-    /// No progress on the screen
-    #[arg(long, short)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub loudness: Loudness,
 }

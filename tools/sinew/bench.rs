@@ -3,6 +3,7 @@ use super::args::overrides;
 use super::fail::Failure;
 use super::progress::Progress;
 use super::say::tell;
+use super::voice::Voice;
 use physics::parameter::Dimension;
 use scene::{Rates, Scene};
 use simd::Isa;
@@ -129,7 +130,8 @@ fn start(args: &Args, scene: &Scene) -> Result<f64, Failure> {
 
 /// Steps until the state to measure.
 fn advance(simulation: &mut Simulation, at: f64, title: &str, quiet: bool) -> Result<(), Failure> {
-    let mut progress = Progress::begin(title, simulation, quiet)?.until(at);
+    let voice = if quiet { Voice::Quiet } else { Voice::Plain };
+    let mut progress = Progress::begin(title, simulation, voice)?.until(at);
     while simulation.clock().time < at && simulation.step()? {
         progress.step(simulation);
     }

@@ -101,11 +101,11 @@ fn chosen(reader: &Reader, wanted: Option<&[String]>) -> Result<Vec<Field>, Fail
 }
 
 /// `0,5,10-20`, `last`: in ascending order, each once.
-fn numbers(text: &str, frames: usize) -> Result<Vec<usize>, Failure> {
+pub fn numbers(text: &str, frames: usize) -> Result<Vec<usize>, Failure> {
     let wrong = |part: &str| {
         let last = frames.saturating_sub(1);
         Failure::usage(format!(
-            "--frames {part}: write numbers from 0 to {last}, ranges such as 0-{last}, or last, with commas between"
+            "frames {part}: write numbers from 0 to {last}, ranges such as 0-{last}, or last, with commas between"
         ))
     };
     let number = |text: &str| text.trim().parse().ok().filter(|&k: &usize| k < frames);

@@ -1,42 +1,253 @@
-//! `sinew picture`: PNG pictures of a run.
+//! `sinew picture`: pictures of a run, and films.
+use super::export::numbers;
 use super::fail::Failure;
-use super::wound::{Shown, load};
-use sinew::lab::picture::{Coloring, exit_face, section};
+use super::folder::refuse_result;
+use super::wound::{frames_of, scene_of};
+use physics::parameter::Dimension;
+use scene::Scene;
+use sinew::input::units;
+use sinew::lab::figure::Format;
+use sinew::lab::picture::{self, Coloring, Cut, Palette, Request, Subject, View, view};
 use sinew::output::frame::Frame;
+use sinew::output::snapshot::Snapshot;
+use sinew::output::vtkhdf::Reader;
 use std::path::{Path, PathBuf};
 
-/// Draw the section through the tract (as the paper's figure 8) and the exit face (as its figure 10)
+/// Draw particles of a run: any field, from any side, cut where you like; several frames beside one another, or a film
+///
+/// Without options it draws the section that tells most of the scene (of a shot that along the flight, as the paper's figure 8), and
+/// of a shot the exit face (as its figure 10), to section.png and exit.png in the folder. With --field, --plane, --view, several frames
+/// or --out it draws one picture. A .svg has real text, and the particles as pixels.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Folder of a run; the pictures go there too
+    /// Folder of a run; the pictures go there, too
     dir: PathBuf,
-    /// Which frame, counted from 0 (default: the last)
-    #[arg(long, value_name = "K")]
-    frame: Option<usize>,
+    /// Frames, counted from 0: numbers and ranges with commas between, such as 0,5,10-20, or last (default: last; of a film all)
+    #[arg(long, visible_alias = "frames", value_name = "LIST")]
+    frame: Option<String>,
+    /// What colors show: material, failure, speed, a field of the frames such as von_mises, or a part of one such as stress.xx; a row of
+    /// panels each, if it is given several times
+    #[arg(long, value_name = "NAME")]
+    field: Vec<String>,
+    /// A section one cell thick across an axis, through the middle of the domain or at a place: z, or "y=2 mm". With --view, what
+    /// is before the plane is cut away
+    #[arg(long, value_name = "AXIS[=PLACE]")]
+    plane: Option<String>,
+    /// From where one looks: +x, -x, +y, -y, +z, -z or corner
+    #[arg(long, value_name = "SIDE", allow_hyphen_values = true)]
+    view: Option<String>,
+    /// From where to where colors go, in SI, for example 0:2e5 (default: what is there, without a few far out)
+    #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true)]
+    range: Option<String>,
+    /// Colors of failure: apart (for every eye) or paper (the paper's)
+    #[arg(long, value_enum, value_name = "SET", default_value_t)]
+    colors: Colors,
+    /// Width of the figure
+    #[arg(long, value_name = "LENGTH", default_value = "160 mm")]
+    width: String,
+    /// Pixels an inch
+    #[arg(long, value_name = "N", default_value_t = 160.0)]
+    dpi: f64,
+    /// The file to write, .png or .svg (default: picture.png in the folder)
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Write a film: .png (an animated one, which browsers show), or .mp4 if there is ffmpeg
+    #[arg(long, value_name = "FILE", conflicts_with = "out")]
+    movie: Option<PathBuf>,
+    /// Pictures a second of a film
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=240))]
+    rate: u16,
+}
+
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum Colors {
+    #[default]
+    Apart,
+    Paper,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    for path in draw(&args.dir, args.frame)? {
-        println!("{}", path.display());
+    let one = args.frame.as_ref().is_none_or(|list| !list.contains([',', '-']));
+    let plain = args.field.is_empty() && args.plane.is_none() && args.view.is_none() && args.out.is_none();
+    let run = Run::open(&args.dir)?;
+    if plain && one && args.movie.is_none() {
+        let frame = args.frame.as_ref().map(|list| numbers(list, run.reader.frames())).transpose()?;
+        for path in run.standard(frame.and_then(|all| all.first().copied()), |request| args.style(request))? {
+            println!("{}", path.display());
+        }
+        return Ok(());
     }
+    let request = args.request(&run)?;
+    let written = match &args.movie {
+        Some(file) => super::movie::write(&run, &request, &args.frames(&run, "")?, file, args.rate)?,
+        None => {
+            let file = args.out.clone().unwrap_or_else(|| args.dir.join("picture.png"));
+            refuse_result(&file)?;
+            let format = Format::of(&file).map_err(Failure::usage)?;
+            let frames = run.frames(&args.frames(&run, "last")?)?;
+            picture::draw(&request, &run.subjects(&frames)).write(&file, format, request.dpi)?;
+            file
+        }
+    };
+    println!("{}", written.display());
     Ok(())
 }
 
-/// Draws a frame (default: the last) of the run in `folder`; the files written.
-pub fn draw(folder: &Path, frame: Option<usize>) -> Result<Vec<PathBuf>, Failure> {
-    let Shown { scene, first, frame: shown } = load(folder, frame)?;
-    let first: Option<&dyn Frame> = first.as_ref().map(|first| first as &dyn Frame);
-    let name = |what: &str| match frame {
-        Some(k) => folder.join(format!("{what}-{k:04}.png")),
-        None => folder.join(format!("{what}.png")),
-    };
-    let coloring = Coloring::of(&shown);
-    let mut written = vec![name("section")];
-    section(&shown, &scene, coloring).write(&written[0])?;
-    if let Some(canvas) = exit_face(&shown, first, &scene, coloring) {
-        written.push(name("exit"));
-        canvas.write(&written[1])?;
+impl Args {
+    /// The frames that are wanted; `else_` those if none are named, all if that is empty.
+    fn frames(&self, run: &Run, else_: &str) -> Result<Vec<usize>, Failure> {
+        match (self.frame.as_deref(), else_) {
+            (Some(list), _) => numbers(list, run.reader.frames()),
+            (None, "") => Ok((0..run.reader.frames()).collect()),
+            (None, list) => numbers(list, run.reader.frames()),
+        }
     }
-    Ok(written)
+
+    fn request(&self, run: &Run) -> Result<Request, Failure> {
+        let named = |name: &String| Coloring::named(name, run.reader.fields()).map_err(Failure::usage);
+        let mut colorings = self.field.iter().map(named).collect::<Result<Vec<_>, _>>()?;
+        if colorings.is_empty() {
+            colorings.push(Coloring::of(&run.reader.frame(0)?));
+        }
+        let section = Request::section(&run.scene, Coloring::Material);
+        let (mut view, mut cut) = (section.view, section.cut);
+        let side = self.view.as_deref().map(|name| {
+            View::named(name).ok_or_else(|| {
+                Failure::usage(format!(
+                    "there is no side {name:?}: look from +x, -x, +y, -y, +z, -z or corner"
+                ))
+            })
+        });
+        let side = side.transpose()?;
+        if let Some(plane) = &self.plane {
+            let (axis, at) = plane_of(plane, &run.scene)?;
+            (view, cut) = (view::across(axis), Cut::Slice(axis, at, 0.5 * run.scene.domain.cell));
+            if side.is_some() {
+                cut = Cut::Behind(axis, at);
+            }
+        } else if side.is_some() {
+            cut = Cut::None;
+        }
+        if let Some(side) = side {
+            view = side;
+        }
+        if let Cut::Behind(axis, _) = cut
+            && view.toward[axis].abs() < 1e-9
+        {
+            return Err(Failure::usage(
+                "--view looks along the plane: look from a side of it, or leave --view out",
+            ));
+        }
+        self.style(Request { view, cut, colorings, ..section })
+    }
+
+    /// The same with the size and the colors that are wanted.
+    fn style(&self, request: Request) -> Result<Request, Failure> {
+        let millimeters = 1e3 * length(&self.width, "--width")?;
+        if !(30.0..=2000.0).contains(&millimeters) {
+            return Err(Failure::usage(format!("--width {}: a figure is 30 mm to 2 m wide", self.width)));
+        }
+        if !(20.0..=2400.0).contains(&self.dpi) {
+            return Err(Failure::usage(format!("--dpi {}: 20 to 2400 pixels an inch", self.dpi)));
+        }
+        let palette = match self.colors {
+            Colors::Apart => Palette::Apart,
+            Colors::Paper => Palette::Paper,
+        };
+        let span = self.range.as_deref().map(range).transpose()?;
+        Ok(Request { width: millimeters, dpi: self.dpi, palette, span, ..request })
+    }
+}
+
+fn range(text: &str) -> Result<[f64; 2], Failure> {
+    let wrong = || Failure::usage(format!("--range {text}: write it as LOW:HIGH, for example 0:2e5"));
+    let (low, high) = text.split_once(':').ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    match (number(low), number(high)) {
+        (Some(low), Some(high)) if low < high => Ok([low, high]),
+        _ => Err(wrong()),
+    }
+}
+
+/// A length with its unit [m].
+pub fn length(text: &str, option: &str) -> Result<f64, Failure> {
+    units::parse(text, Dimension::Length).map_err(|problem| {
+        let units = units::accepted(Dimension::Length);
+        Failure::usage(format!("{option} {problem}; write for example {option} \"85 mm\" (units: {units})"))
+    })
+}
+
+/// An axis, and where on it [m].
+fn plane_of(text: &str, scene: &Scene) -> Result<(usize, f64), Failure> {
+    let (name, at) = text.split_once('=').map_or((text, None), |(name, at)| (name, Some(at)));
+    let Some(axis) = ["x", "y", "z"].iter().position(|axis| *axis == name.trim()) else {
+        return Err(Failure::usage(format!(
+            "--plane {text}: name an axis and a place on it, for example \"y=2 mm\""
+        )));
+    };
+    let at = at.map(|at| length(at.trim(), "--plane")).transpose()?;
+    Ok((axis, at.unwrap_or_else(|| view::middle(scene, axis))))
+}
+
+/// A run whose frames are drawn.
+pub struct Run {
+    folder: PathBuf,
+    pub scene: Scene,
+    pub reader: Reader,
+    first: Option<Snapshot>,
+}
+
+impl Run {
+    /// The run in a folder.
+    pub fn open(folder: &Path) -> Result<Self, Failure> {
+        let (reader, scene) = (frames_of(folder)?, scene_of(folder)?);
+        if reader.frames() == 0 {
+            return Err(Failure::usage(format!("{} holds no frame yet", folder.display())));
+        }
+        // what is loose is known from the first frame
+        let first = scene.output.wound.is_some().then(|| reader.frame_with(0, &["failure"])).transpose()?;
+        Ok(Self { folder: folder.to_owned(), scene, reader, first })
+    }
+
+    /// Frames by their numbers.
+    pub fn frames(&self, numbers: &[usize]) -> Result<Vec<Snapshot>, Failure> {
+        numbers.iter().map(|&number| Ok(self.reader.frame(number)?)).collect()
+    }
+
+    /// Frames with what is needed to draw them.
+    pub fn subjects<'a>(&'a self, frames: &'a [Snapshot]) -> Vec<Subject<'a>> {
+        let first = self.first.as_ref().map(|first| first as &dyn Frame);
+        frames.iter().map(|frame| Subject { frame, first, scene: &self.scene }).collect()
+    }
+
+    /// The section and the exit of a frame, or of the last; the files written.
+    fn standard(
+        &self,
+        number: Option<usize>,
+        style: impl Fn(Request) -> Result<Request, Failure>,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let last = self.reader.frames() - 1;
+        let frames = self.frames(&[number.unwrap_or(last)])?;
+        let subjects = self.subjects(&frames);
+        let coloring = Coloring::of(&frames[0]);
+        let end = number.map_or(String::new(), |number| format!("-{number:04}"));
+        let mut written = Vec::new();
+        let requests = [
+            ("section", Some(Request::section(&self.scene, coloring.clone()))),
+            ("exit", Request::exit(&self.scene, coloring)),
+        ];
+        for (name, request) in requests {
+            let Some(request) = request else { continue };
+            let (request, file) = (style(request)?, self.folder.join(format!("{name}{end}.png")));
+            picture::draw(&request, &subjects).write(&file, Format::Png, request.dpi)?;
+            written.push(file);
+        }
+        Ok(written)
+    }
+}
+
+/// Draws the last frame of the run in `folder`; the files written.
+pub fn draw(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    Run::open(folder)?.standard(None, Ok)
 }

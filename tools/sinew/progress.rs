@@ -1,6 +1,7 @@
-//! Progress of a run: a bar on a terminal, plain lines elsewhere.
+//! Progress of a run: a bar on a terminal, plain lines elsewhere, or objects for programs.
 use super::fail::Failure;
 use super::say::tell;
+use super::voice::{Voice, event};
 use engine::exec::ranks::collective;
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew::simulation::{RunError, Simulation};
@@ -13,7 +14,7 @@ const TICKS: u64 = 1000;
 /// Shows how far a run has come.
 pub struct Progress {
     bar: Option<ProgressBar>,
-    quiet: bool,
+    voice: Voice,
     /// Of several ranks the first, which talks.
     first: bool,
     began: Instant,
@@ -32,23 +33,33 @@ impl Progress {
     ///
     /// # Errors
     /// If a rank is gone.
-    pub fn begin(title: &str, simulation: &mut Simulation, quiet: bool) -> Result<Self, Failure> {
+    pub fn begin(title: &str, simulation: &mut Simulation, voice: Voice) -> Result<Self, Failure> {
         let mine = simulation.warehouse.particle_count();
         let mut count = [mine as u64];
         let ranks = simulation.network().size();
         collective::sum(simulation.network(), &mut count).map_err(RunError::from)?;
         let first = simulation.network().rank() == 0;
-        let quiet = quiet || !first;
-        let terminal = std::io::stderr().is_terminal();
-        let bar = (terminal && !quiet).then(|| {
+        let voice = if first { voice } else { Voice::Quiet };
+        let people = matches!(voice, Voice::Plain | Voice::Verbose);
+        let bar = (people && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::new(TICKS);
             if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}") {
                 bar.set_style(style);
             }
             bar
         });
-        if !quiet {
-            let [a, b, c] = simulation.warehouse.decomposition.counts;
+        let [a, b, c] = simulation.warehouse.decomposition.counts;
+        if voice == Voice::Json {
+            event(
+                "begin",
+                serde_json::json!({
+                    "title": title, "particles": count[0], "patches": [a, b, c], "ranks": ranks,
+                    "threads": simulation.threads(), "isa": simulation.isa().name(),
+                    "step": simulation.steps(), "time_s": simulation.clock().time,
+                    "until_s": simulation.scene.run.until,
+                }),
+            );
+        } else if people {
             tell!("{title}");
             tell!(
                 "{} particles, {a}x{b}x{c} patches, {}{} threads, {}",
@@ -64,11 +75,11 @@ impl Progress {
         let share = mine as f64 / count[0].max(1) as f64;
         Ok(Self {
             bar,
-            quiet,
+            voice,
             first,
             began: now,
             shown: now,
-            next_line: before.0 + 0.05,
+            next_line: before.0 + lines(voice).0,
             until,
             before,
             share,
@@ -82,28 +93,39 @@ impl Progress {
 
     /// After a step.
     pub fn step(&mut self, simulation: &Simulation) {
-        if self.quiet {
+        if self.voice == Voice::Quiet {
             return;
         }
         let done = fraction(simulation, self.until);
+        let (part, silence) = lines(self.voice);
         let due = match self.bar {
             Some(_) => self.shown.elapsed() > Duration::from_millis(200),
-            None => done >= self.next_line || self.shown.elapsed() > Duration::from_secs(20),
+            None => done >= self.next_line || self.shown.elapsed() > silence,
         };
         if !due {
             return;
         }
         self.shown = Instant::now();
-        self.next_line = done + 0.05;
+        self.next_line = done + part;
         let spent = self.began.elapsed().as_secs_f64();
         let left = spent * (1.0 - done) / (done - self.before.0).max(1e-9);
         let clock = simulation.clock();
+        let rate = (simulation.updates() - self.before.1) as f64 / self.share / spent;
+        if self.voice == Voice::Json {
+            return event(
+                "progress",
+                serde_json::json!({
+                    "step": simulation.steps(), "time_s": clock.time, "step_s": clock.tick, "done": done,
+                    "updates_per_s": rate, "left_s": left,
+                }),
+            );
+        }
         let message = format!(
             "step {}  t {:.4} ms  dt {:.1} ns  {:.2} M updates/s  {} left",
             simulation.steps(),
             1e3 * clock.time,
             1e9 * clock.tick,
-            (simulation.updates() - self.before.1) as f64 / self.share / spent / 1e6,
+            rate / 1e6,
             duration(left)
         );
         match &self.bar {
@@ -119,6 +141,7 @@ impl Progress {
     pub fn warn<'a>(&self, warnings: impl Iterator<Item = &'a str>) {
         for warning in warnings.filter(|_| self.first) {
             match &self.bar {
+                _ if self.voice == Voice::Json => event("warning", serde_json::json!({ "text": warning })),
                 Some(bar) => bar.suspend(|| tell!("warning: {warning}")),
                 None => tell!("warning: {warning}"),
             }
@@ -130,6 +153,14 @@ impl Progress {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+/// How often lines come: after which part of the run, and at the latest after how long.
+fn lines(voice: Voice) -> (f64, Duration) {
+    match voice {
+        Voice::Verbose => (0.01, Duration::from_secs(5)),
+        _ => (0.05, Duration::from_secs(20)),
     }
 }
 

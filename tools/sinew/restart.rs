@@ -4,6 +4,7 @@ use super::fail::Failure;
 use super::folder::{self, Taken};
 use super::ranks::{self, Crew};
 use super::say::{say, tell};
+use super::voice::Voice;
 use engine::exec::ranks::collective;
 use scene::Scene;
 use simd::Isa;
@@ -59,7 +60,7 @@ pub fn resume(
                 that was never stopped"
             .into()]);
     }
-    if first && !args.quiet {
+    if first && matches!(args.loudness.voice(), Voice::Plain | Voice::Verbose) {
         tell!("goes on from {}", found.path.display());
     }
     Ok(Some((taken, simulation, recorder)))

@@ -6,12 +6,12 @@ use super::progress::Progress;
 use super::ranks::Crew;
 use super::say::{say, tell};
 use super::stop::Stop;
-use super::{folder, picture, ranks, restart, wound};
+use super::voice::{Voice, event};
+use super::{ending, folder, picture, ranks, restart, wound};
 use engine::exec::trace;
 use scene::Scene;
 use sinew::input::Written;
 use sinew::output::checkpoint;
-use sinew::output::summary::Summary;
 use sinew::simulation::recorder::{End, Next, Recorder};
 use sinew::simulation::{RunError, Simulation};
 use std::path::Path;
@@ -30,11 +30,12 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
     let Some((taken, mut simulation, mut recorder)) = begun else { return Ok(()) };
     stop.watch(&mut simulation)?;
     let folder = &taken.path;
-    if let (true, false, Some(_)) = (first, args.quiet, &host) {
+    let voice = args.loudness.voice();
+    if let (true, Voice::Plain | Voice::Verbose, Some(_)) = (first, voice, &host) {
         tell!("results go to {}", place(folder));
     }
     let title = format!("{} ({})", simulation.scene.title, simulation.scene.name);
-    let mut progress = Progress::begin(&title, &mut simulation, args.quiet)?;
+    let mut progress = Progress::begin(&title, &mut simulation, voice)?;
     if args.trace {
         simulation.set_trace(trace::BOUND);
     }
@@ -47,7 +48,7 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
         simulation.write_trace(&folder.join("trace.json"))?;
     }
     if first {
-        print_summary(&summary, &place(folder));
+        ending::tell(&summary, &place(folder), voice);
     }
     match end {
         End::Failed(error) => {
@@ -73,14 +74,14 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
     }
     if simulation.network().size() > 1 {
         // a picture takes a whole frame: no rank holds the particles of all
-        if first && simulation.scene.output.frames > 0 {
+        if first && voice != Voice::Json && simulation.scene.output.frames > 0 {
             say!("to see it      sinew picture {0}; sinew wound {0}", folder.display());
         }
         simulation.network().part(None);
         return Ok(());
     }
     // the run is complete, whatever becomes of its pictures
-    if let Err(failure) = show(&simulation.scene, folder) {
+    if let Err(failure) = show(&simulation.scene, folder, voice) {
         let words = failure.message();
         tell!("warning: {}", words.strip_prefix("error: ").unwrap_or(&words));
     }
@@ -88,11 +89,17 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
 }
 
 /// Wound table and pictures, if the scene has them.
-fn show(scene: &Scene, folder: &Path) -> Result<(), Failure> {
+fn show(scene: &Scene, folder: &Path, voice: Voice) -> Result<(), Failure> {
     if scene.output.frames > 0 {
-        let table = scene.output.wound.as_ref().map_or(Ok(()), |_| wound::print(folder));
-        for picture in picture::draw(folder, None)? {
-            say!("picture        {}", picture.display());
+        let table = match (&scene.output.wound, voice) {
+            (None, _) | (_, Voice::Json) => Ok(()),
+            _ => wound::print(folder),
+        };
+        for picture in picture::draw(folder)? {
+            match voice {
+                Voice::Json => event("picture", serde_json::json!({ "path": picture.display().to_string() })),
+                _ => say!("picture        {}", picture.display()),
+            }
         }
         return table;
     }
@@ -164,47 +171,4 @@ fn stopped(reason: &str, steps: u64, folder: &Path, host: Option<&str>) -> Strin
             steps + 1
         ),
     }
-}
-
-fn print_summary(summary: &Summary, place: &str) {
-    let e = &summary.energy_j;
-    say!("results        {place}");
-    say!("simulated      {:.4} ms in {} steps", 1e3 * summary.time_s, summary.steps);
-    say!(
-        "wall time      {:.1} s, {:.2} million particle updates a second and core ({}, {} threads)",
-        summary.wall_s,
-        summary.updates_per_s_per_core / 1e6,
-        summary.isa,
-        summary.threads
-    );
-    say!(
-        "energy [J]     kinetic {:.4e}, strain {:.4e}, plastic {:.4e}, fracture {:.4e}, friction {:.4e}, impact {:.4e}, transfer {:.4e}, residual {:+.4e} ({:+.2} % of what was turned over)",
-        e.kinetic,
-        e.strain,
-        e.plastic,
-        e.fracture,
-        e.friction,
-        e.impact,
-        e.transfer,
-        e.residual,
-        if e.turnover > 0.0 { 100.0 * e.residual / e.turnover } else { 0.0 }
-    );
-    for (name, material) in &summary.materials {
-        let [x, y, z] = material.mean_velocity_m_s;
-        let failed = material
-            .failed_fraction
-            .as_ref()
-            .map_or(String::new(), |f| format!(", failed {:.2} %", 100.0 * f.any));
-        let collapsed = material.more.get("counts").and_then(|counts| counts["collapsed"].as_u64());
-        let collapsed = collapsed.filter(|&n| n > 0);
-        let collapsed = collapsed.map_or(String::new(), |n| format!(", {n} particles collapsed (J < 0.1)"));
-        say!(
-            "{name:<14} {} particles, mean velocity ({x:.3}, {y:.3}, {z:.3}) m/s{failed}{collapsed}",
-            material.particles
-        );
-    }
-    if summary.deleted_particles > 0 {
-        say!("left           {} particles left the domain", summary.deleted_particles);
-    }
-    say!("state hash     {}", summary.state_hash);
 }

@@ -5,6 +5,7 @@ use super::meter::What;
 use super::order::{self, Op};
 use super::ranks::{Network, NetworkError};
 use super::relocate::Relocation;
+use super::trace::{Event, Kind};
 use super::traveler::Traveler;
 use super::work::Blocks;
 use crate::data::shared::Shared;
@@ -190,8 +191,10 @@ impl Engine {
         self.backend.download(Purpose::Relocation, &mut Blocks::of(warehouse));
         let relocation = self.relocate(graph, warehouse, network, &mut puts_back, stop)?;
         conductor.ran(graph, warehouse, &relocation)?;
+        let began = self.trace.now();
         self.metered(What::Relocation, || relocation.carry_out(warehouse));
         self.backend.upload(Purpose::Relocation, &mut Blocks::of(warehouse));
+        self.trace.record(0, began, Event::other(Kind::Arrange));
         Ok(())
     }
 }

@@ -82,7 +82,12 @@ impl<'a> Exchanges<'a> {
             let (which, rank) = self.outstanding[at];
             let message = match (which == number, wait) {
                 (false, _) => None,
-                (_, true) => Some(self.network.receive(rank, channel)?),
+                (_, true) => {
+                    let began = call.watch.trace.now();
+                    let message = self.network.receive(rank, channel)?;
+                    call.watch.trace.waited(0, began);
+                    Some(message)
+                }
                 (_, false) => self.network.arrived(rank, channel)?,
             };
             let Some(message) = message else {

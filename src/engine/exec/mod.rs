@@ -11,6 +11,7 @@ pub mod ranks;
 pub mod relocate;
 pub mod scratch;
 pub mod serial;
+pub mod spent;
 pub mod stage;
 pub mod step;
 pub mod threads;

@@ -13,7 +13,7 @@ use super::ranks::{Network, NetworkError};
 use super::relocate::{Leaving, Relocation, Transit};
 use super::scratch::Scratch;
 use super::stage::{self, Context};
-use super::trace::{Event, Recorder};
+use super::trace::{Event, Kind, Recorder};
 use super::wave;
 use super::work::{Blocks, Call, Memory, Watch, Which, lock};
 use crate::data::schedule::Schedule;
@@ -63,6 +63,7 @@ impl Engine {
         let active = warehouse.partition.ranks > 1 && !warehouse.reactivate;
         let halos = if active { Halos::new(warehouse, &neighbors) } else { Halos::default() };
         Self {
+            trace: Recorder::new(backend.workers(), 0),
             backend,
             isa,
             scratch,
@@ -76,7 +77,6 @@ impl Engine {
             outstanding: Vec::new(),
             metered: false,
             weighing: false,
-            trace: Recorder::off(),
         }
     }
 
@@ -114,9 +114,9 @@ impl Engine {
         self.weighing = on;
     }
 
-    /// Records from now on what is done when, at most `bound` events a worker; 0: no more.
+    /// Records anew from now on: what the time goes to, and what is done when, at most `bound` events a worker.
     pub fn set_trace(&mut self, bound: usize) {
-        self.trace = if bound == 0 { Recorder::off() } else { Recorder::new(self.workers(), bound) };
+        self.trace = Recorder::new(self.workers(), bound);
     }
 
     /// What is done when.
@@ -196,9 +196,11 @@ impl Engine {
         if network.size() > 1 {
             occupied::tell(network, warehouse, &self.neighbors)?;
         }
+        let began = self.trace.now();
         self.backend.download(Purpose::Activation, &mut Blocks::of(warehouse));
         self.metered(What::Activation, || warehouse.activate());
         self.backend.upload(Purpose::Activation, &mut Blocks::of(warehouse));
+        self.trace.record(0, began, Event::other(Kind::Arrange));
         if network.size() > 1 {
             self.halos = Halos::new(warehouse, &self.neighbors);
         }

@@ -1,9 +1,12 @@
-//! What a run does and when, event by event: for the run's `trace.json` (see `output::trace`).
+//! What a run does and when: its sums for the table at the end of a run (see [`Spent`]), and event by event for the run's
+//! `trace.json` (see `output::trace`), if that is wanted.
 //!
 //! Each worker has a list of its own, so that recording waits for nobody. The lists are as long as they will ever be from
-//! the beginning; what comes after they are full is counted and left out. A recorder that is off reads no clock.
+//! the beginning; what comes after they are full is counted and left out. The sums cost one or two readings of a counter a block.
+use super::spent::Spent;
 use crate::graph::phase::Stage;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use simd::ticks;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -16,8 +19,10 @@ pub enum Kind {
     HaloWait,
     /// Bringing together the parts of a reduction.
     ReduceWait,
-    /// Moving particles to other blocks and ranks.
+    /// Finding particles that move to other blocks and ranks, and sending those.
     Relocate,
+    /// Putting particles into their new blocks, and blocks into order.
+    Arrange,
     /// Writing results.
     Output,
     /// Nothing, while other workers of the rank were at work.
@@ -26,8 +31,15 @@ pub enum Kind {
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Kind; 6] =
-        [Kind::Task, Kind::HaloWait, Kind::ReduceWait, Kind::Relocate, Kind::Output, Kind::Idle];
+    pub const ALL: [Kind; 7] = [
+        Kind::Task,
+        Kind::HaloWait,
+        Kind::ReduceWait,
+        Kind::Relocate,
+        Kind::Arrange,
+        Kind::Output,
+        Kind::Idle,
+    ];
 
     /// Its name in traces.
     pub fn name(self) -> &'static str {
@@ -36,6 +48,7 @@ impl Kind {
             Kind::HaloWait => "halo wait",
             Kind::ReduceWait => "reduce wait",
             Kind::Relocate => "relocate",
+            Kind::Arrange => "arrange",
             Kind::Output => "output",
             Kind::Idle => "idle",
         }
@@ -71,9 +84,9 @@ pub struct Event {
     pub bytes: u64,
     /// Number of the step.
     pub step: u64,
-    /// When it began, since the recorder did [ns].
+    /// When it began, since the recorder did: in a recorder in ticks, else [ns].
     pub start: u64,
-    /// How long it took [ns].
+    /// How long it took: in a recorder in ticks, else [ns].
     pub duration: u64,
 }
 
@@ -191,8 +204,19 @@ pub struct Track {
     pub lost: u64,
 }
 
-/// Gaps that are not worth an event [ns].
-const JOINED: u64 = 2_000;
+/// What one worker has done.
+#[derive(Debug, Default)]
+struct Worker {
+    track: Track,
+    spent: Spent,
+    /// When its last piece of work ended.
+    end: u64,
+    /// Waiting in the piece of work that goes on.
+    waited: u64,
+}
+
+/// Gaps that are not worth an event [ticks]: some microseconds.
+const JOINED: u64 = 5_000;
 
 /// Events that a worker may record, if nobody says otherwise: 80 bytes each.
 pub const BOUND: usize = 1 << 18;
@@ -200,102 +224,137 @@ pub const BOUND: usize = 1 << 18;
 /// Records what the workers of a rank do.
 #[derive(Debug)]
 pub struct Recorder {
-    origin: Instant,
+    origin: (Instant, u64),
     step: AtomicU64,
     graph: AtomicU32,
-    tracks: Vec<Mutex<Track>>,
+    paused: AtomicBool,
+    workers: Vec<Mutex<Worker>>,
     bound: usize,
 }
 
 impl Recorder {
-    /// A recorder that records nothing.
-    pub fn off() -> Self {
-        Self::new(0, 0)
-    }
-
-    /// A recorder of at most `bound` events for each of `workers` workers. The time counts from now: ranks that begin after a
+    /// A recorder of sums, and of at most `bound` events for each of `workers` workers. The time counts from now: ranks that begin after a
     /// message to all have the same time to within the time of a message.
     pub fn new(workers: usize, bound: usize) -> Self {
-        let track = || Mutex::new(Track { events: Vec::with_capacity(bound), lost: 0 });
-        let tracks = (0..workers).map(|_| track()).collect();
-        Self { origin: Instant::now(), step: AtomicU64::new(0), graph: AtomicU32::new(0), tracks, bound }
+        let track = || Track { events: Vec::with_capacity(bound), lost: 0 };
+        let worker = || Mutex::new(Worker { track: track(), ..Worker::default() });
+        Self {
+            origin: (Instant::now(), ticks()),
+            step: AtomicU64::new(0),
+            graph: AtomicU32::new(0),
+            paused: AtomicBool::new(false),
+            workers: (0..workers).map(|_| worker()).collect(),
+            bound,
+        }
     }
 
-    /// Whether it records.
-    pub fn is_on(&self) -> bool {
-        !self.tracks.is_empty()
-    }
-
-    /// The step that events belong to from now on.
+    /// Sets the step that events belong to from now on.
     pub fn set_step(&self, step: u64) {
         self.step.store(step, Ordering::Relaxed);
     }
 
-    /// The graph of the program that events belong to from now on.
+    /// Sets the graph of the program that events belong to from now on.
     pub fn set_graph(&self, number: usize) {
         self.graph.store(number as u32, Ordering::Relaxed);
     }
 
-    fn at(&self, event: Event, start: u64) -> Event {
-        let duration = self.now().saturating_sub(start);
-        let (step, graph) = (self.step.load(Ordering::Relaxed), self.graph.load(Ordering::Relaxed));
-        Event { step, graph, start, duration, ..event }
+    /// Records nothing from now on, or goes on: graphs that are no part of a step have the same numbers.
+    pub fn pause(&self, paused: bool) {
+        self.paused.store(paused, Ordering::Relaxed);
     }
 
-    /// The time now [ns]; 0 if nothing is recorded.
+    /// The time now [ticks].
     #[inline]
     pub fn now(&self) -> u64 {
-        if self.is_on() { self.origin.elapsed().as_nanos() as u64 } else { 0 }
+        ticks().saturating_sub(self.origin.1)
     }
 
     /// A worker has been busy with `event` since `start` (see [`Recorder::now`]).
     #[inline]
     pub fn record(&self, worker: usize, start: u64, event: Event) {
-        if let Some(track) = self.tracks.get(worker) {
-            self.push(&mut lock(track), self.at(event, start));
-        }
+        self.add(worker, start, event, false);
     }
 
     /// As [`Recorder::record`]; goes on with the worker's last event if that was the same and has just ended.
     #[inline]
     pub fn record_on(&self, worker: usize, start: u64, event: Event) {
-        let Some(track) = self.tracks.get(worker) else { return };
-        let mut track = lock(track);
-        let event = self.at(event, start);
-        match track.events.last_mut() {
-            Some(last) if last.goes_on_with(&event, start) => last.duration = self.now() - last.start,
-            _ => self.push(&mut track, event),
+        self.add(worker, start, event, true);
+    }
+
+    fn add(&self, worker: usize, start: u64, event: Event, joins: bool) {
+        if self.paused.load(Ordering::Relaxed) {
+            return;
+        }
+        let Some(worker) = self.workers.get(worker) else { return };
+        let (mut worker, end) = (lock(worker), self.now());
+        let (step, graph) = (self.step.load(Ordering::Relaxed), self.graph.load(Ordering::Relaxed));
+        let event = Event { step, graph, start, duration: end.saturating_sub(start), ..event };
+        let waited = std::mem::take(&mut worker.waited);
+        worker.spent.add(&event, waited);
+        worker.end = end;
+        if self.bound == 0 {
+            return;
+        }
+        let Track { events, lost } = &mut worker.track;
+        let room = events.len() < self.bound;
+        match events.last_mut() {
+            Some(last) if joins && last.goes_on_with(&event, start) => last.duration = end - last.start,
+            _ if room => events.push(event),
+            _ => *lost += 1,
+        }
+    }
+
+    /// Of the piece of work that a worker is at, it has waited since `start` for other ranks.
+    pub fn waited(&self, worker: usize, start: u64) {
+        if let Some(worker) = self.workers.get(worker) {
+            lock(worker).waited += self.now().saturating_sub(start);
         }
     }
 
     /// All workers have waited since their last event, or since `start`, for one that was at work longer.
     pub fn record_idle(&self, start: u64, event: Event) {
-        for (worker, track) in self.tracks.iter().enumerate() {
-            let last = lock(track).events.last().map_or(0, |last| last.start + last.duration);
+        for (worker, its) in self.workers.iter().enumerate() {
+            let last = lock(its).end;
             if self.now() > last.max(start) + JOINED {
                 self.record(worker, last.max(start), event);
             }
         }
     }
 
-    fn push(&self, track: &mut Track, event: Event) {
-        if track.events.len() < self.bound {
-            track.events.push(event);
-        } else {
-            track.lost += 1;
-        }
+    /// Nanoseconds a tick, as the time since the beginning says.
+    fn ns_per_tick(&self) -> f64 {
+        self.origin.0.elapsed().as_nanos() as f64 / self.now().max(1) as f64
     }
 
-    /// What the workers have recorded; they go on with empty lists.
+    /// What the workers have recorded, in nanoseconds; they go on with empty lists.
     pub fn take(&self) -> Vec<Track> {
-        let fresh = || Track { events: Vec::with_capacity(self.bound), lost: 0 };
-        self.tracks.iter().map(|track| std::mem::replace(&mut *lock(track), fresh())).collect()
+        let ns_per_tick = self.ns_per_tick();
+        let ns = |ticks: u64| (ticks as f64 * ns_per_tick) as u64;
+        let take = |worker: &Mutex<Worker>| {
+            let fresh = Track { events: Vec::with_capacity(self.bound), lost: 0 };
+            let mut track = std::mem::replace(&mut lock(worker).track, fresh);
+            for event in &mut track.events {
+                // an end that is rounded by itself is never after the beginning of the next
+                let end = ns(event.start + event.duration);
+                event.start = ns(event.start);
+                event.duration = end - event.start;
+            }
+            track
+        };
+        self.workers.iter().map(take).collect()
+    }
+
+    /// What the time of all workers went to so far, and nanoseconds a tick.
+    pub fn spent(&self) -> (Spent, f64) {
+        let mut all = Spent::default();
+        self.workers.iter().for_each(|worker| all.merge(&lock(worker).spent));
+        (all, self.ns_per_tick())
     }
 }
 
-/// A worker's track: nobody else takes it while the worker works.
-fn lock(track: &Mutex<Track>) -> MutexGuard<'_, Track> {
-    track.lock().unwrap_or_else(PoisonError::into_inner)
+/// A worker's record: nobody else takes it while the worker works.
+fn lock(worker: &Mutex<Worker>) -> MutexGuard<'_, Worker> {
+    worker.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]
@@ -328,9 +387,20 @@ mod tests {
     }
 
     #[test]
-    fn off_it_records_nothing() {
-        let recorder = Recorder::off();
-        recorder.record(0, recorder.now(), Event::other(Kind::Idle));
-        assert!(!recorder.is_on() && recorder.now() == 0 && recorder.take().is_empty());
+    fn waiting_within_a_piece_of_work_is_no_work() {
+        let recorder = Recorder::new(1, 0);
+        let (began, work) = (recorder.now(), Event { place: 3, ..Event::other(Kind::Task) });
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        recorder.waited(0, began);
+        recorder.record(0, began, work);
+        recorder.pause(true);
+        recorder.record(0, began, work);
+        let (spent, ns_per_tick) = recorder.spent();
+        let ms = |ticks: u64| ticks as f64 * ns_per_tick * 1e-6;
+        assert!(
+            ms(spent.waiting()) >= 19.9 && ms(spent.stage(0, 3)) < 0.1 * ms(spent.waiting()),
+            "{spent:?}"
+        );
+        assert_eq!(recorder.take(), [Track::default()], "of sums alone no event is kept");
     }
 }

@@ -40,7 +40,7 @@ pub struct Watch<'a> {
 }
 
 impl Watch<'_> {
-    /// A worker begins with a block. Reads no clock that nobody asked for.
+    /// A worker begins with a block.
     fn begin(&self) -> (u64, Option<Instant>) {
         (self.trace.now(), self.weighing.then(Instant::now))
     }
@@ -48,9 +48,7 @@ impl Watch<'_> {
     /// It has done so; what it took, if that is weighed [ns].
     fn end(&self, (traced, began): (u64, Option<Instant>), worker: usize, stage: &Stage, slab: u32) -> u64 {
         let took = began.map_or(0, |began| began.elapsed().as_nanos() as u64);
-        if self.trace.is_on() {
-            self.trace.record_on(worker, traced, Event { slab, ..Event::stage(stage) });
-        }
+        self.trace.record_on(worker, traced, Event { slab, ..Event::stage(stage) });
         took
     }
 }

@@ -2,7 +2,7 @@
 use super::error::GraphError;
 use super::exchange::{self, Exchange};
 use super::fuse;
-use super::phase::Phase;
+use super::phase::{Phase, Stage};
 use super::prune;
 use super::recipe::{Edge, Graph, Recipe, TaskNode, Why, everywhere, over_particles};
 use super::task::{Access, Domain, Mode};
@@ -39,6 +39,20 @@ pub struct TaskGraph {
 }
 
 impl TaskGraph {
+    /// The tasks of a stage.
+    pub fn tasks_of(&self, stage: &Stage) -> Vec<&'static str> {
+        stage.nodes.iter().map(|&node| self.graph[node].declaration.name).collect()
+    }
+
+    /// What a stage is called: its task, or the first and the last of them.
+    pub fn name_of(&self, stage: &Stage) -> String {
+        match self.tasks_of(stage)[..] {
+            [] => String::new(),
+            [one] => one.to_owned(),
+            [first, .., last] => format!("{first} … {last}"),
+        }
+    }
+
     /// Builds the graph of `recipe` on `patches` patches. `outputs` are wanted besides what the next step reads.
     ///
     /// # Errors

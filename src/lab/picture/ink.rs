@@ -1,19 +1,53 @@
 //! Which color a particle has, and what the legend says about it.
-use super::canvas::{Color, mix};
+use crate::lab::figure::axis::Quantity;
+use crate::lab::figure::colors::{self, Map};
+use crate::lab::figure::{Color, colors::PLAIN};
 use crate::lab::wound::{code, scalars};
-use crate::output::frame::Frame;
+use crate::output::frame::{Field, Frame, part_names};
 use scene::Scene;
 
 /// What colors mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Coloring {
-    /// Kind of failure; what knows none is gray to magenta by plastic strain.
+    /// Kind of failure; what knows none has the color of its material.
     Failure,
-    /// Magnitude of the velocity.
-    Speed,
     /// The particle's material.
     Material,
+    /// A field of the frames: its name, and which of its numbers.
+    Field(String, Part),
 }
+
+/// A number of a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The only one.
+    Value,
+    /// The length of a vector.
+    Length,
+    /// One of several.
+    Of(usize),
+}
+
+/// Colors of the kinds of failure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Palette {
+    /// Apart for every eye.
+    #[default]
+    Apart,
+    /// Those of the paper.
+    Paper,
+}
+
+impl Palette {
+    fn colors(self) -> [Color; 4] {
+        match self {
+            Self::Apart => colors::FAILURE,
+            Self::Paper => colors::FAILURE_OF_THE_PAPER,
+        }
+    }
+}
+
+const KINDS: [&str; 4] = ["intact", "matrix failed", "fibers failed", "both failed"];
 
 impl Coloring {
     /// Failure if the frame knows it, else speed if it knows that, else the material.
@@ -21,104 +55,206 @@ impl Coloring {
         if scalars(frame, "failure").is_some_and(|f| f.iter().any(|f| f.is_finite())) {
             return Self::Failure;
         }
-        if frame.fields().iter().any(|f| f.name == "velocity") { Self::Speed } else { Self::Material }
-    }
-}
-
-/// An entry of the legend.
-#[derive(Clone, Debug)]
-pub enum LegendEntry {
-    /// A color and what it means.
-    Ball(Color, String),
-    /// Colors from 0 to a number, what it is and its unit.
-    Bar(fn(f64) -> Color, f64, &'static str),
-}
-
-/// Colors of all particles, in the order of the frame.
-#[derive(Debug)]
-pub struct Ink {
-    pub colors: Vec<Color>,
-    pub legend: Vec<LegendEntry>,
-}
-
-/// As the paper's figures 8 to 10: none, matrix, fiber, total.
-const FAILURE: [(Color, &str); 4] = [
-    ([88, 132, 204], "intact"),
-    ([58, 172, 92], "matrix failed"),
-    ([246, 200, 52], "fiber failed"),
-    ([212, 52, 44], "both failed"),
-];
-/// Distinct also for the color blind (Okabe and Ito), muted.
-const MATERIALS: [Color; 6] =
-    [[204, 121, 110], [110, 118, 130], [86, 160, 211], [230, 170, 60], [60, 158, 130], [180, 130, 180]];
-
-impl Ink {
-    pub fn new(frame: &dyn Frame, scene: &Scene, coloring: Coloring) -> Self {
-        match coloring {
-            Coloring::Failure => Self::failure(frame),
-            Coloring::Speed => Self::speed(frame),
-            Coloring::Material => Self::material(frame, scene),
+        match frame.fields().iter().any(|f| f.name == "velocity") {
+            true => Self::Field("velocity".to_owned(), Part::Length),
+            false => Self::Material,
         }
     }
 
-    fn failure(frame: &dyn Frame) -> Self {
-        let failure = scalars(frame, "failure").unwrap_or_default();
-        let plastic = scalars(frame, "plastic_strain").unwrap_or_default();
-        let plastic = |i: usize| plastic.get(i).copied().filter(|p| p.is_finite());
-        let knows = |i: usize| failure.get(i).is_some_and(|f| f.is_finite());
-        let metal: Vec<_> = (0..frame.particles()).filter(|&i| !knows(i)).collect();
-        let most = metal.iter().filter_map(|&i| plastic(i)).fold(0.0, f32::max);
-        let top = round_up(f64::from(most).max(0.01));
-        let color = |i: usize| match failure.get(i) {
-            Some(f) if f.is_finite() => FAILURE[usize::from((f.round() as u8).min(code::TOTAL))].0,
-            _ => yielding(f64::from(plastic(i).unwrap_or(0.0)) / top),
+    /// By its name: `failure`, `material`, `speed`, a field of the frames, or a part of it such as `stress.xx`.
+    ///
+    /// # Errors
+    /// What frames have, if they do not have it.
+    pub fn named(name: &str, fields: &[Field]) -> Result<Self, String> {
+        let (whole, part) = name.split_once('.').map_or((name, None), |(whole, part)| (whole, Some(part)));
+        let whole = if whole == "speed" { "velocity" } else { whole };
+        if name == "material" {
+            return Ok(Self::Material);
+        }
+        let Some(field) = fields.iter().find(|field| field.name == whole) else {
+            let there: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
+            return Err(format!(
+                "the frames have no field {name:?}: they have material, {}; output.fields of a scene says what a run shows",
+                there.join(", ")
+            ));
         };
-        let mut legend: Vec<_> = FAILURE.iter().map(|&(c, text)| LegendEntry::Ball(c, text.into())).collect();
-        if !metal.is_empty() {
-            legend.push(LegendEntry::Bar(yielding, top, "plastic strain"));
-        }
-        Self { colors: (0..frame.particles()).map(color).collect(), legend }
-    }
-
-    fn speed(frame: &dyn Frame) -> Self {
-        let field = frame.fields().into_iter().find(|f| f.name == "velocity" && f.components == 3);
-        let column = field.map(|f| frame.column(&f)).unwrap_or_default();
-        let speed = |v: &[f32; 3]| f64::from(v.iter().map(|x| x * x).sum::<f32>().sqrt());
-        let mut speeds: Vec<f64> = column.as_chunks().0.iter().map(speed).collect();
-        speeds.resize(frame.particles(), 0.0);
-        let top = round_up(speeds.iter().copied().filter(|s| s.is_finite()).fold(1e-9, f64::max));
-        let colors = speeds.iter().map(|s| heat(s / top)).collect();
-        Self { colors, legend: vec![LegendEntry::Bar(heat, top, "m/s")] }
-    }
-
-    fn material(frame: &dyn Frame, scene: &Scene) -> Self {
-        let color = |m: usize| MATERIALS[m % MATERIALS.len()];
-        let names = scene.materials.iter().enumerate();
-        Self {
-            colors: frame.materials().iter().map(|&m| color(m.into())).collect(),
-            legend: names.map(|(m, material)| LegendEntry::Ball(color(m), material.name.clone())).collect(),
+        let names = part_names(field.components);
+        match (part, field.components) {
+            (None, 1) if name == "failure" => Ok(Self::Failure),
+            (None, 1) => Ok(Self::Field(whole.to_owned(), Part::Value)),
+            (None, 3) => Ok(Self::Field(whole.to_owned(), Part::Length)),
+            (Some(part), 2..) if names.contains(&part) => {
+                let which = names.iter().position(|name| *name == part).unwrap_or(0);
+                Ok(Self::Field(whole.to_owned(), Part::Of(which)))
+            }
+            (_, 1) => Err(format!("{whole} is one number: it has no part {:?}", part.unwrap_or_default())),
+            _ => Err(format!("{whole} has several numbers: name one of {}", names.map_names(whole))),
         }
     }
+
+    /// Fields that it is made of.
+    pub fn fields(&self) -> Vec<&str> {
+        match self {
+            Self::Failure => vec!["failure"],
+            Self::Material => Vec::new(),
+            Self::Field(name, _) => vec![name],
+        }
+    }
+
+    /// The number of each particle, in the order of the frame; NaN for those without one.
+    fn values(&self, frame: &dyn Frame) -> Vec<f64> {
+        let Self::Field(name, part) = self else { return Vec::new() };
+        let found = frame.fields().into_iter().find(|field| field.name == *name);
+        let Some(field) = found else { return vec![f64::NAN; frame.particles()] };
+        let number = |numbers: &[f32]| match part {
+            Part::Value => f64::from(numbers[0]),
+            Part::Length => numbers.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt(),
+            Part::Of(which) => f64::from(numbers[*which]),
+        };
+        frame.column(&field).chunks_exact(field.components.max(1)).map(number).collect()
+    }
+
+    /// What the colors show, in words and a unit.
+    pub fn quantity(&self, fields: &[Field]) -> Quantity {
+        let Self::Field(name, part) = self else { return Quantity::default() };
+        let field = fields.iter().find(|field| field.name == *name);
+        let unit = field.map_or("", |field| field.unit.as_str());
+        let words = match (name.as_str(), part) {
+            ("velocity", Part::Length) => "speed".to_owned(),
+            ("von_mises", _) => "von Mises stress".to_owned(),
+            ("volume_ratio", _) => "volume ratio J".to_owned(),
+            (name, Part::Of(which)) => {
+                let parts = part_names(field.map_or(1, |field| field.components));
+                format!("{} {}", name.replace('_', " "), parts.get(*which).unwrap_or(&""))
+            }
+            (name, _) => name.replace('_', " "),
+        };
+        Quantity { words, unit: if unit == "1" { String::new() } else { unit.replace("^3", "³") } }
+    }
 }
 
-/// Gray metal that turns magenta as it yields.
-fn yielding(t: f64) -> Color {
-    along(&[[128, 134, 142], [170, 110, 160], [222, 30, 150]], t)
+trait Names {
+    fn map_names(&self, whole: &str) -> String;
 }
 
-/// Dark blue over green to yellow (the idea of viridis).
-fn heat(t: f64) -> Color {
-    along(&[[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]], t)
+impl Names for [&str] {
+    fn map_names(&self, whole: &str) -> String {
+        self.iter().map(|part| format!("{whole}.{part}")).collect::<Vec<_>>().join(", ")
+    }
 }
 
-fn along(stops: &[Color], t: f64) -> Color {
-    let s = t.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
-    let k = (s as usize).min(stops.len() - 2);
-    mix(stops[k], stops[k + 1], s - k as f64)
+/// From which number to which colors go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// The number of the first color.
+    pub low: f64,
+    /// The number of the last color.
+    pub high: f64,
+    /// Whether there are numbers below, and above.
+    pub beyond: [bool; 2],
 }
 
-/// The next 1, 2 or 5 times a power of ten.
-pub fn round_up(x: f64) -> f64 {
-    let power = 10f64.powf(x.log10().floor());
-    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|&y| y >= x * (1.0 - 1e-9)).unwrap_or(x)
+/// Numbers beyond this share at either end do not stretch the colors, if they lie far out: one particle would hide all others.
+const FEW: f64 = 0.005;
+
+impl Span {
+    /// Of nothing.
+    pub const NOTHING: Self = Self { low: f64::INFINITY, high: f64::NEG_INFINITY, beyond: [false; 2] };
+
+    /// Of the numbers of a frame that are shown.
+    pub fn of(coloring: &Coloring, frame: &dyn Frame, shown: impl Iterator<Item = usize>) -> Self {
+        let values = coloring.values(frame);
+        let mut numbers: Vec<f64> =
+            shown.filter_map(|i| values.get(i).copied()).filter(|x| x.is_finite()).collect();
+        numbers.sort_by(f64::total_cmp);
+        let (Some(&least), Some(&most)) = (numbers.first(), numbers.last()) else { return Self::NOTHING };
+        let few = (FEW * numbers.len() as f64) as usize;
+        let [low, high] = [numbers[few], numbers[numbers.len() - 1 - few]];
+        let far = |beyond: f64| beyond > high - low;
+        let beyond = [far(low - least), far(most - high)];
+        Self { low: if beyond[0] { low } else { least }, high: if beyond[1] { high } else { most }, beyond }
+    }
+
+    /// Of both.
+    pub fn with(self, other: Self) -> Self {
+        let beyond = [0, 1].map(|i| self.beyond[i] || other.beyond[i]);
+        Self { low: self.low.min(other.low), high: self.high.max(other.high), beyond }
+    }
+
+    /// With ends that people like, and the map for it: white is zero where there are numbers on both sides of it.
+    pub fn rounded(self) -> (Self, Map) {
+        let Self { low, high, beyond } = self;
+        if low > high {
+            return (Self { low: 0.0, high: 1.0, beyond }, Map::Rising);
+        }
+        let most = low.abs().max(high.abs());
+        if low < -0.05 * most && high > 0.05 * most {
+            return (Self { low: -most, high: most, beyond }, Map::Balanced);
+        }
+        let low =
+            if low.abs() < 0.3 * high.abs() || low >= 0.0 && low < 0.3 * high { low.min(0.0) } else { low };
+        let high = if high.abs() < 0.3 * low.abs() { high.max(0.0) } else { high };
+        let least = 1e-12 * most.max(f64::MIN_POSITIVE);
+        (
+            Self { low, high: if high - low > least { high } else { low + most.max(1e-30) }, beyond },
+            Map::Rising,
+        )
+    }
+}
+
+/// What a legend says.
+#[derive(Clone, Debug)]
+pub enum Legend {
+    /// Colors, and what each means.
+    Kinds(Vec<(Color, String)>),
+    /// Colors of numbers: which, from where to where, and of what.
+    Bar(Map, Span, Quantity),
+}
+
+/// Colors of all particles, in the order of the frame, and the legend for those that are `shown`. `span` is that of all frames of
+/// the picture.
+pub fn ink(
+    frame: &dyn Frame,
+    scene: &Scene,
+    coloring: &Coloring,
+    (span, palette): (Span, Palette),
+    shown: impl Fn(usize) -> bool,
+) -> (Vec<Color>, Legend) {
+    let material = |m: usize| colors::MATERIALS[m % colors::MATERIALS.len()];
+    let materials = frame.materials();
+    let name = |m: usize| scene.materials.get(m).map_or(String::new(), |it| it.name.clone());
+    match coloring {
+        Coloring::Failure => {
+            let failure = scalars(frame, "failure").unwrap_or_default();
+            let kind = |i: usize| {
+                failure.get(i).filter(|f| f.is_finite()).map(|f| (f.round() as u8).min(code::TOTAL))
+            };
+            let kinds = palette.colors();
+            let color = |i: usize| kind(i).map_or(PLAIN, |kind| kinds[usize::from(kind)]);
+            let mut legend: Vec<(Color, String)> = kinds.into_iter().zip(KINDS.map(str::to_owned)).collect();
+            // those that cannot fail, by name
+            let others = (0..materials.len()).filter(|&i| kind(i).is_none() && shown(i));
+            let mut others: Vec<u16> = others.map(|i| materials[i]).collect();
+            others.sort_unstable();
+            others.dedup();
+            if !others.is_empty() {
+                let names: Vec<String> = others.iter().map(|m| name(usize::from(*m))).collect();
+                legend.push((PLAIN, names.join(", ")));
+            }
+            ((0..frame.particles()).map(color).collect(), Legend::Kinds(legend))
+        }
+        Coloring::Material => {
+            let legend = (0..scene.materials.len()).map(|m| (material(m), name(m))).collect();
+            (materials.iter().map(|&m| material(m.into())).collect(), Legend::Kinds(legend))
+        }
+        Coloring::Field(..) => {
+            let (span, map) = span.rounded();
+            let color = |x: f64| match x.is_finite() {
+                true => map.at((x - span.low) / (span.high - span.low)),
+                false => PLAIN,
+            };
+            let colors = coloring.values(frame).into_iter().map(color).collect();
+            (colors, Legend::Bar(map, span, coloring.quantity(&frame.fields())))
+        }
+    }
 }

@@ -1,130 +1,201 @@
-//! Pictures of particles: the section along the tract as in the paper's figure 8, the exit as in figure 10.
+//! Pictures of particles: sections as in the paper's figure 8, the exit as in figure 10, any field from any side.
 mod canvas;
-mod font;
+mod exit;
 mod ink;
 mod sheet;
+pub mod view;
 
-pub use canvas::{Canvas, Color};
-pub use ink::Coloring;
+pub use ink::{Coloring, Palette, Part, Span};
+pub use view::{Cut, View};
 
-use super::wound::{attached, lateral, spacing, tissue};
+use super::figure::colors::shade;
+use super::figure::{Color, Figure, Raster};
+use super::wound::{scalars, spacing};
 use crate::output::frame::Frame;
-use canvas::shade;
-use ink::Ink;
+use canvas::Canvas;
+use ink::Legend;
 use scene::Scene;
-use sheet::{Sheet, Window};
+use sheet::{Panel, Sheet, Window};
+use std::collections::HashSet;
 
 /// Radius of a particle in spacings: neighbors on a square lattice just cover what is behind them.
 const BALL: f64 = 0.72;
 
-/// A section one cell thick. In the scene of a shot: along the flight, through the point of entry, flight downwards;
-/// else across the thinnest axis of the domain, through its middle.
-pub fn section(frame: &dyn Frame, scene: &Scene, coloring: Coloring) -> Canvas {
-    let domain = &scene.domain;
-    let low = domain.lower;
-    let high = [0, 1, 2].map(|a| low[a] + domain.cells[a] as f64 * domain.cell);
-    let thinnest = (0..3).rev().min_by_key(|&a| domain.cells[a]).unwrap_or(2);
-    let (normal, plane, window) = match &scene.output.wound {
-        Some(wound) => {
-            let [across, normal] = lateral(wound.axis);
-            let window = Window { across: (across, 1.0), up: (wound.axis, -wound.direction), low, high };
-            (normal, wound.center[1], window)
-        }
-        None => {
-            let [across, up] = lateral(thinnest);
-            let window = Window { across: (across, 1.0), up: (up, 1.0), low, high };
-            (thinnest, 0.5 * (low[thinnest] + high[thinnest]), window)
-        }
-    };
-    let mut sheet = Sheet::new(window);
-    for &surface in scene.output.wound.iter().flat_map(|wound| &wound.surfaces) {
-        sheet.level(surface);
+/// What is to be drawn.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// From where.
+    pub view: View,
+    /// What of it.
+    pub cut: Cut,
+    /// Whether it is the face of exit, of which the spray is not shown.
+    pub exit: bool,
+    /// What colors show: a row of panels each.
+    pub colorings: Vec<Coloring>,
+    /// Colors of failure.
+    pub palette: Palette,
+    /// From which number to which colors go; none: as particles have them.
+    pub span: Option<[f64; 2]>,
+    /// Width of the figure [mm].
+    pub width: f64,
+    /// Pixels an inch, of the particles in an SVG, too.
+    pub dpi: f64,
+}
+
+impl Request {
+    /// The section that tells most of a scene, colored by what its frames tell.
+    pub fn section(scene: &Scene, coloring: Coloring) -> Self {
+        let (view, cut) = view::section(scene);
+        let (palette, width, dpi) = (Palette::default(), 160.0, 160.0);
+        Self { view, cut, exit: false, colorings: vec![coloring], palette, span: None, width, dpi }
     }
-    let half = 0.5 * domain.cell;
-    let pick = |x: [f64; 3]| ((x[normal] - plane).abs() <= half).then_some((x[normal], 1.0));
-    let axis = ["x", "y", "z"][normal];
-    let subtitle = format!("section at {axis} = {:.2} mm, {:.2} mm thick", 1e3 * plane, 2e3 * half);
-    draw(&mut sheet, frame, scene, coloring, |_, x| pick(x));
-    finish(sheet, frame, scene, &subtitle)
+
+    /// The surface of exit of a shot; `None` if the scene is none.
+    pub fn exit(scene: &Scene, coloring: Coloring) -> Option<Self> {
+        let view = exit::view(scene.output.wound.as_ref()?);
+        Some(Self { view, cut: Cut::None, exit: true, ..Self::section(scene, coloring) })
+    }
 }
 
-/// The surface of exit, seen against the flight; tissue inside the tract is darker, loose spray and a projectile
-/// that has left are not shown. Needs the first frame to know what is loose. `None` if the scene is no shot.
-pub fn exit_face(
-    frame: &dyn Frame,
-    first: Option<&dyn Frame>,
-    scene: &Scene,
-    coloring: Coloring,
-) -> Option<Canvas> {
-    let wound = scene.output.wound.as_ref()?;
-    let domain = &scene.domain;
-    let low = domain.lower;
-    let high = [0, 1, 2].map(|a| low[a] + domain.cells[a] as f64 * domain.cell);
-    let [across, up] = lateral(wound.axis);
-    // The page's right, its up and the way to the viewer are right-handed.
-    let hand = if wound.axis == 1 { -wound.direction } else { wound.direction };
-    let mut sheet = Sheet::new(Window { across: (across, hand), up: (up, 1.0), low, high });
-
-    let thickness = (wound.surfaces[1] - wound.surfaces[0]).abs();
-    let target = tissue(wound, first, frame);
-    let reach = thickness.max(20.0 * spacing(scene, wound.target));
-    let mut shown = attached(&target, 2.0 * spacing(scene, wound.target), reach).into_iter();
-    let materials = frame.materials();
-    let depth = |x: [f64; 3]| wound.direction * (x[wound.axis] - wound.surfaces[0]);
-    let positions = frame.positions();
-    let projectile = |&i: &usize| usize::from(materials[i]) == wound.projectile;
-    let tail = (0..positions.len()).filter(projectile).map(|i| depth(positions[i].map(f64::from)));
-    let left = tail.fold(f64::INFINITY, f64::min) > thickness;
-    draw(&mut sheet, frame, scene, coloring, |i, x| {
-        let material = usize::from(materials[i]);
-        // One answer a target particle, in the order of the frame.
-        let visible =
-            if material == wound.target { shown.next()? } else { material != wound.projectile || !left };
-        let inside = ((thickness - depth(x)) / thickness).clamp(0.0, 1.0);
-        visible.then_some((depth(x), 1.0 - 0.62 * inside))
-    });
-    let note = if left {
-        "exit face, seen against the flight; spray and projectile hidden"
-    } else {
-        "exit face, seen against the flight; spray hidden"
-    };
-    Some(finish(sheet, frame, scene, note))
+/// A frame, with the first of its run, and the scene.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    /// The frame.
+    pub frame: &'a dyn Frame,
+    /// The first one, which tells what is loose.
+    pub first: Option<&'a dyn Frame>,
+    /// The scene.
+    pub scene: &'a Scene,
 }
 
-/// Draws the particles for which `pick(index, position)` gives nearness to the viewer [m] and light, nearest last.
-fn draw(
-    sheet: &mut Sheet,
-    frame: &dyn Frame,
-    scene: &Scene,
-    coloring: Coloring,
-    mut pick: impl FnMut(usize, [f64; 3]) -> Option<(f64, f64)>,
-) {
-    let ink = Ink::new(frame, scene, coloring);
-    let materials = frame.materials();
-    let radii: Vec<f64> = (0..scene.materials.len().max(1))
-        .map(|material| (BALL * spacing(scene, material) * sheet.scale).max(0.9))
-        .collect();
-    let mut picked: Vec<_> = frame
-        .positions()
-        .iter()
-        .enumerate()
-        .filter_map(|(i, x)| {
-            let x = x.map(f64::from);
-            let (nearness, light) = pick(i, x)?;
-            sheet.shows(x).then_some((nearness, i, x, light))
+/// A particle that is drawn.
+struct Ball {
+    /// Its place in the frame.
+    index: usize,
+    /// Where it is on the page, from the origin: right and up [m].
+    place: [f64; 2],
+    /// How near it is to the viewer [m].
+    near: f64,
+    /// [m]
+    radius: f64,
+    light: f64,
+}
+
+/// What all frames of a picture or a film have together: the box that is shown, and from where to where colors go.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    window: Option<Window>,
+    spans: Vec<Span>,
+}
+
+impl Survey {
+    /// Of no frame yet.
+    pub fn new(request: &Request) -> Self {
+        Self { window: None, spans: vec![Span::NOTHING; request.colorings.len()] }
+    }
+
+    /// With a frame.
+    pub fn add(&mut self, request: &Request, subject: Subject<'_>) {
+        let (balls, _) = balls(request, subject);
+        for ball in &balls {
+            let window = self.window.get_or_insert(Window { low: ball.place, high: ball.place });
+            *window = window.with(ball.place, ball.radius);
+        }
+        for (span, coloring) in self.spans.iter_mut().zip(&request.colorings) {
+            let own = Span::of(coloring, subject.frame, balls.iter().map(|ball| ball.index));
+            *span = match request.span {
+                Some([low, high]) => Span { low, high, beyond: [own.low < low, own.high > high] },
+                None => span.with(own),
+            };
+        }
+    }
+
+    /// The box that is shown; that of the domain, if there is nothing.
+    fn window(&self, request: &Request, scene: &Scene) -> Window {
+        let domain = &scene.domain;
+        let corner = |n: usize| {
+            let end = |a: usize| if n >> a & 1 == 1 { domain.cells[a] as f64 * domain.cell } else { 0.0 };
+            request.view.place([0, 1, 2].map(|a| domain.lower[a] + end(a)))
+        };
+        self.window.unwrap_or_else(|| {
+            let first = Window { low: corner(0), high: corner(0) };
+            (1..8).fold(first, |window, n| window.with(corner(n), 0.0))
         })
-        .collect();
-    picked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (near, i, x, light) in picked {
-        let radius = radii.get(usize::from(materials[i])).copied().unwrap_or(radii[0]);
-        let center = sheet.place(x);
-        sheet.canvas.ball(center, near * sheet.scale, radius, shade(ink.colors[i], light));
     }
-    sheet.legend(&ink.legend);
 }
 
-fn finish(mut sheet: Sheet, frame: &dyn Frame, scene: &Scene, subtitle: &str) -> Canvas {
+/// Frames beside one another, a row of them for each coloring.
+pub fn draw(request: &Request, subjects: &[Subject<'_>]) -> Figure {
+    let mut survey = Survey::new(request);
+    subjects.iter().for_each(|subject| survey.add(request, *subject));
+    draw_with(request, &survey, subjects)
+}
+
+/// The same in the window and with the colors of a survey.
+pub fn draw_with(request: &Request, survey: &Survey, subjects: &[Subject<'_>]) -> Figure {
+    let Some(Subject { scene, .. }) = subjects.first() else { return Figure::new([request.width, 1.0]) };
+    let window = survey.window(request, scene);
+    let shown: Vec<_> = subjects.iter().map(|subject| balls(request, *subject)).collect();
+    let inked = |coloring, span| {
+        subjects.iter().zip(&shown).map(move |(it, (balls, _))| {
+            let drawn: HashSet<usize> = balls.iter().map(|ball| ball.index).collect();
+            ink::ink(it.frame, it.scene, coloring, (span, request.palette), |i| drawn.contains(&i))
+        })
+    };
+    let rows =
+        request.colorings.iter().zip(&survey.spans).map(|(coloring, span)| inked(coloring, *span).unzip());
+    let rows: Vec<(Vec<Vec<Color>>, Vec<Legend>)> = rows.collect();
+    let legends: Vec<Option<Legend>> = rows.iter().map(|(_, legends)| legends.last().cloned()).collect();
+    let times: Vec<f64> = subjects.iter().map(|subject| subject.frame.time()).collect();
+    let mut sheet = Sheet::new(request, window, &legends, times.len());
+    let panels = rows.iter().flat_map(|(colors, _)| colors.iter().zip(&shown));
+    let panels = panels.map(|(colors, (balls, _))| panel(&sheet.panel, balls, colors)).collect();
+    let levels = scene.output.wound.iter().flat_map(|wound| wound.surfaces.map(|at| (wound.axis, at)));
+    sheet.panels(panels, &times, &levels.collect::<Vec<_>>());
     let title = if scene.title.is_empty() { &scene.name } else { &scene.title };
-    sheet.title(title, subtitle, frame.time());
-    sheet.canvas
+    let note = shown.last().map_or("", |(_, note)| *note);
+    let note = if note.is_empty() { request.cut.words() } else { note.to_owned() };
+    sheet.finish(title, &note, &times, legends)
+}
+
+/// The particles that are shown, and what to say of it.
+fn balls(request: &Request, subject: Subject<'_>) -> (Vec<Ball>, &'static str) {
+    let Subject { frame, first, scene } = subject;
+    let wound = scene.output.wound.as_ref().filter(|_| request.exit);
+    let lights = wound.map(|wound| exit::lights(frame, first, scene, wound));
+    let sizes: Vec<f64> =
+        (0..scene.materials.len()).map(|material| BALL * spacing(scene, material)).collect();
+    let (materials, volume) = (frame.materials(), scalars(frame, "volume_ratio").unwrap_or_default());
+    // what collapsed or blew up is still a particle that one can see
+    let grown = |i: usize| {
+        volume.get(i).filter(|j| j.is_finite()).map_or(1.0, |j| f64::from(*j).clamp(0.1, 8.0).cbrt())
+    };
+    let ball = |(index, x): (usize, [f32; 3])| {
+        let x = x.map(f64::from);
+        let light = lights.as_ref().map_or(1.0, |(lights, _)| lights[index]);
+        let shown = light > 0.0 && x.iter().all(|x| x.is_finite()) && request.cut.shows(x, &request.view);
+        let size = sizes.get(usize::from(materials[index])).or(sizes.first()).copied().unwrap_or(0.0);
+        shown.then(|| Ball {
+            index,
+            place: request.view.place(x),
+            near: view::along(x, request.view.toward),
+            radius: size * grown(index),
+            light,
+        })
+    };
+    let balls = frame.positions().into_iter().enumerate().filter_map(ball).collect();
+    (balls, lights.map_or("", |(_, note)| note))
+}
+
+/// The balls of a frame as pixels, nearest last.
+fn panel(panel: &Panel, balls: &[Ball], colors: &[Color]) -> Raster {
+    let mut balls: Vec<&Ball> = balls.iter().collect();
+    balls.sort_by(|a, b| a.near.total_cmp(&b.near));
+    let mut canvas = Canvas::new(panel.pixels);
+    for ball in balls {
+        let radius = (ball.radius * panel.scale).max(0.9);
+        let color = shade(colors[ball.index], ball.light);
+        canvas.ball(panel.place(ball.place), ball.near * panel.scale, radius, color);
+    }
+    canvas.into_raster()
 }

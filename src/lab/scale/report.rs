@@ -5,6 +5,7 @@ use super::series::Point;
 use super::table;
 use super::torus::Brick;
 use super::validate::Check;
+use crate::lab::figure::axis::Quantity;
 use crate::lab::plot::{Line, Plot};
 use crate::output::Result;
 use crate::output::create::write_whole;
@@ -66,16 +67,16 @@ impl Report {
             Ok(())
         };
         if self.rows.iter().any(|row| row.error.is_none()) {
-            file("efficiency.svg", self.efficiency().to_svg())?;
-            file("time.svg", self.time().to_svg())?;
-            file("patches.svg", self.patches().to_svg())?;
+            file("efficiency.svg", svg(&self.efficiency()))?;
+            file("time.svg", svg(&self.time()))?;
+            file("patches.svg", svg(&self.patches()))?;
         }
         if !self.rows.is_empty() {
             file("measured.csv", table::csv(&self.rows))?;
         }
         if !self.weak_points.is_empty() {
             file("predicted.csv", table::predicted_csv(&self.strong, &self.weak_points))?;
-            file("prediction.svg", self.prediction().to_svg())?;
+            file("prediction.svg", svg(&self.prediction()))?;
         }
         let text = serde_json::to_string_pretty(self).unwrap_or_default();
         file("scale.json", text + "\n")?;
@@ -108,7 +109,7 @@ impl Report {
         let kind = if self.weak { "weak" } else { "strong" };
         Plot {
             title: format!("{}: {kind} scaling, measured", self.scene),
-            axes: ["workers".to_owned(), "parallel efficiency".to_owned()],
+            axes: ["workers", "parallel efficiency"].map(Quantity::plain),
             log: [true, false],
             marks: true,
             lines: self.by_workers(|row| row.efficiency),
@@ -118,7 +119,7 @@ impl Report {
     fn time(&self) -> Plot {
         Plot {
             title: format!("{}: time of a step, measured", self.scene),
-            axes: ["workers".to_owned(), "ms a step".to_owned()],
+            axes: ["workers", "ms a step"].map(Quantity::plain),
             log: [true, true],
             marks: true,
             lines: self.by_workers(|row| row.step_ms[0]),
@@ -138,7 +139,7 @@ impl Report {
         };
         Plot {
             title: format!("{}: what more patches cost", self.scene),
-            axes: ["patches".to_owned(), "time over that with the fewest, less one".to_owned()],
+            axes: ["patches", "time over that with the fewest, less one"].map(Quantity::plain),
             log: [true, false],
             marks: true,
             lines: groups.iter().map(line).collect(),
@@ -152,12 +153,18 @@ impl Report {
         };
         Plot {
             title: format!("{}: efficiency, predicted", self.scene),
-            axes: ["ranks".to_owned(), "parallel efficiency".to_owned()],
+            axes: ["ranks", "parallel efficiency"].map(Quantity::plain),
             log: [true, false],
             marks: true,
             lines: vec![line("strong", &self.strong), line("weak", &self.weak_points)],
         }
     }
+}
+
+/// Plots are as wide as a page.
+fn svg(plot: &Plot) -> String {
+    // what has no images cannot fail
+    plot.draw(140.0).to_svg().unwrap_or_default()
 }
 
 fn plural(count: usize) -> &'static str {

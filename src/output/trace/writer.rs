@@ -184,17 +184,10 @@ impl<'a> Writer<'a> {
         let phase = graph.phases.get(event.place as usize);
         match (event.kind, phase) {
             (Kind::Task | Kind::Idle, _) => {
-                let nodes = self
-                    .stages
-                    .get(&[event.graph, event.place])
-                    .map_or(&[][..], |(_, stage)| &stage.nodes[..]);
-                let tasks: Vec<&str> = nodes.iter().map(|&n| graph.graph[n].declaration.name).collect();
-                let name = match tasks[..] {
-                    [one] if event.kind == Kind::Task => one.to_owned(),
-                    [first, .., last] if event.kind == Kind::Task => format!("{first} … {last}"),
-                    _ => event.kind.name().to_owned(),
-                };
-                (name, tasks)
+                let stage = self.stages.get(&[event.graph, event.place]).map(|(_, stage)| *stage);
+                let name = stage.filter(|_| event.kind == Kind::Task).map(|stage| graph.name_of(stage));
+                let tasks = stage.map_or_else(Vec::new, |stage| graph.tasks_of(stage));
+                (name.unwrap_or_else(|| event.kind.name().to_owned()), tasks)
             }
             (Kind::HaloWait, Some(phase)) => (format!("halo: {}", labels(&phase.halos)), Vec::new()),
             (Kind::ReduceWait, Some(phase)) => (format!("reduce: {}", labels(&phase.reductions)), Vec::new()),

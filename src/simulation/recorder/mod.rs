@@ -217,7 +217,7 @@ impl Recorder {
 
     /// A row; one that does not stay is there only because the run ends, and a run that goes further knows nothing of it.
     fn row(&mut self, simulation: &mut Simulation, stays: bool) -> output::Result<()> {
-        let began = Instant::now();
+        let began = simulation.begin_output();
         let report = if stays { simulation.report()? } else { simulation.peek()? };
         let written = self.files.as_mut().map_or(Ok(()), |files| files.history.row(&rows::cells(&report)));
         together::agree(simulation.network(), written)?;
@@ -225,7 +225,7 @@ impl Recorder {
         if stays {
             simulation.mark_row();
         }
-        self.output_s += began.elapsed().as_secs_f64();
+        self.output_s += simulation.end_output(&began);
         Ok(())
     }
 
@@ -233,18 +233,18 @@ impl Recorder {
         if simulation.scene.output.frames == 0 {
             return Ok(());
         }
-        let began = Instant::now();
+        let began = simulation.begin_output();
         let held = self.hold();
         let writer = self.files.as_mut().and_then(|files| files.particles.as_mut());
         let written = write_frame(writer, simulation, held);
         together::agree(simulation.network(), written)?;
         self.due += 1;
-        self.output_s += began.elapsed().as_secs_f64();
+        self.output_s += simulation.end_output(&began);
         Ok(())
     }
 
     fn checkpoint(&mut self, simulation: &mut Simulation) -> output::Result<()> {
-        let began = Instant::now();
+        let began = simulation.begin_output();
         // what a checkpoint counts on must be on the disk before it
         let held = self.hold();
         let synced = held.and_then(|()| self.files.as_mut().map_or(Ok(()), Files::sync));
@@ -253,7 +253,7 @@ impl Recorder {
         let kept = simulation.scene.output.checkpoint.kept;
         let pruned = self.files.as_ref().map_or(Ok(()), |_| checkpoint::prune(&self.folder, kept));
         together::agree(simulation.network(), pruned)?;
-        let took = began.elapsed().as_secs_f64();
+        let took = simulation.end_output(&began);
         self.checkpoints.written(took);
         self.output_s += took;
         Ok(())
@@ -322,8 +322,9 @@ impl Recorder {
         together::agree(simulation.network(), synced)?;
         let wall_s = self.wall_s();
         let stepping_s = wall_s - self.output_s - self.before.output_s;
+        let timing = simulation.timing(self.began.elapsed().as_secs_f64())?;
         let warnings = std::mem::take(&mut self.warnings).into_iter().map(|(_, words)| words).collect();
-        let ending = Ending { run: self.run, status, error, warnings, wall_s, stepping_s };
+        let ending = Ending { run: self.run, status, error, warnings, wall_s, stepping_s, timing };
         let summary = summarize::summarize(simulation, ending)?;
         let path = self.folder.join(files::SUMMARY);
         let written = self.files.map_or(Ok(()), |_| summary.write(&path));

@@ -1,7 +1,9 @@
 //! What `summary.json` says about a run.
 use crate::output;
 use crate::output::run_id::RunId;
-use crate::output::summary::{self, Energy, FirstFailure, MaterialSummary, Reaction, Status, Summary};
+use crate::output::summary::{
+    self, Energy, FirstFailure, MaterialSummary, Reaction, Status, Summary, Timing,
+};
 use crate::simulation::report::{FirstEvent, GiverReport, MaterialReport, Report};
 use crate::simulation::{Simulation, failures};
 use engine::exec::ranks::{Network, collective};
@@ -21,6 +23,8 @@ pub struct Ending {
     pub wall_s: f64,
     /// Seconds of these that steps took.
     pub stepping_s: f64,
+    /// Where the seconds since the last start went.
+    pub timing: Vec<Timing>,
 }
 
 /// The summary, the same on all ranks.
@@ -28,7 +32,7 @@ pub struct Ending {
 /// # Errors
 /// If a rank is gone.
 pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<Summary> {
-    let Ending { run, status, error, warnings, wall_s, stepping_s } = ending;
+    let Ending { run, status, error, warnings, wall_s, stepping_s, timing } = ending;
     let report = simulation.report()?;
     let energy = report.energy();
     let [particle_bytes, node_bytes, peak_bytes, updates] = over_ranks(simulation)?;
@@ -67,6 +71,7 @@ pub fn summarize(simulation: &mut Simulation, ending: Ending) -> output::Result<
         steps: report.steps,
         time_s: report.time,
         wall_s,
+        timing,
         particles: report.materials.iter().map(|m| m.particles).sum(),
         updates_per_s: rate,
         updates_per_s_per_core: rate / (ranks * simulation.threads()) as f64,
