@@ -279,9 +279,29 @@ fn output(given: &Node, materials: &[Material], cell: f64) -> Outcome<Output> {
         frames: given.get("frames").count(),
         fields: super::shown::fields(given.find("fields"), materials)?,
         history_every: given.get("history-every").count(),
+        periods: all(given.get("period").items().iter().map(|it| period(it, given)))?,
         checkpoint: checkpoint(given.get("checkpoint")),
         wound: given.find("wound").map(|given| wound(given, materials, cell)).transpose()?,
     })
+}
+
+fn period(given: &Node, output: &Node) -> Outcome<Period> {
+    let (from, to) = (given.get("from").number(), given.find("to").map_or(f64::INFINITY, Node::number));
+    let frames_every = given.find("frames-every").map(Node::number);
+    let history_every = given.find("history-every").map(Node::count);
+    if to <= from {
+        let message = format!("the period ends at {to} s, and begins at {from} s");
+        return Err(Fault::new(given.place, message).help("let `to` be later than `from`"));
+    }
+    if frames_every.is_none() && history_every.is_none() {
+        let message = "the period changes nothing";
+        return Err(Fault::new(given.place, message).help("say `frames-every` or `history-every`"));
+    }
+    if let (Some(given), 0) = (given.find("frames-every"), output.get("frames").count::<usize>()) {
+        let message = "there are no frames at all: output.frames is 0";
+        return Err(Fault::new(given.place, message).help("let output.frames be 1, for one at the end"));
+    }
+    Ok(Period { from, to, frames_every, history_every })
 }
 
 fn checkpoint(given: &Node) -> Checkpoint {

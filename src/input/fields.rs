@@ -312,12 +312,33 @@ static OUTPUT: &[Field] = &[
         "A row of `history.csv` every so many steps.",
     ),
     Field::with_default(
+        "period",
+        Form::List(&Form::Table(PERIOD)),
+        Absent::Empty,
+        "Parts of the simulated time in which there is more to see, or less.",
+    ),
+    Field::with_default(
         "checkpoint",
         Form::Table(CHECKPOINT),
         Absent::Empty,
         "When to write a checkpoint, from which `sinew run --restart` goes on.",
     ),
     Field::optional("wound", Form::Table(WOUND), "For `sinew wound`, if the scene is a shot through a slab."),
+];
+
+static PERIOD: &[Field] = &[
+    Field::with_default("from", not_negative(Time), Absent::Number(0.0), "From when on."),
+    Field::optional("to", positive(Time), "Until when; absent: until the end of the run."),
+    Field::optional(
+        "frames-every",
+        positive(Time),
+        "Simulated time between frames, from `from` on, besides the frames of the whole run.",
+    ),
+    Field::optional(
+        "history-every",
+        count_from(1),
+        "A row of `history.csv` every so many steps, instead of `output.history-every`; where periods overlap, the last of them says.",
+    ),
 ];
 
 static CHECKPOINT: &[Field] = &[

@@ -2,7 +2,7 @@
 use super::build::material_index;
 use super::document::Node;
 use super::error::{Fault, Outcome, all};
-use super::form::{Field, Form};
+use super::form::{Field, Form, positive};
 use super::meetings::{name, region, unique};
 use super::shapes::SHAPE;
 use super::shown::one;
@@ -33,6 +33,12 @@ pub(super) static PROBE: &[Field] = &[
         Form::Choice(VALUES),
         "Over a region: the mean, weighted by mass, the largest or the smallest, each component by itself; absent: the mean. What is \
         not a number does not count.",
+    ),
+    Field::optional(
+        "interval",
+        positive(Dimension::Time),
+        "Simulated time between rows of `history.csv` with this probe alone, besides the rows of all columns (`output.history-every`). \
+        A row is written after the first step that ends then or later.",
     ),
 ];
 
@@ -75,5 +81,6 @@ fn probe(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> 
         (None, "smallest") => ProbeOf::Smallest(region),
         (None, _) => ProbeOf::Mean(region),
     };
-    Ok(Probe { name: name(given, number), material, shown, of })
+    let interval = given.find("interval").map(Node::number);
+    Ok(Probe { name: name(given, number), material, shown, of, interval })
 }

@@ -142,11 +142,9 @@ impl Plot {
 
     fn line(&self, figure: &mut Figure, frame: &Frame, line: &Line, n: usize) {
         let (color, dashes) = style(n);
-        // a gap in the numbers is a gap in the line
-        for part in line.points.split(|p| !frame.shows(p)).filter(|part| !part.is_empty()) {
-            let points = part.iter().map(|p| frame.place(*p)).collect();
-            figure.marks.push(Mark::Line { points, color, width: THICK, dashes });
-        }
+        // rows of a history in which other columns alone have numbers are no gaps
+        let points = line.points.iter().filter(|p| frame.shows(p)).map(|p| frame.place(*p)).collect();
+        figure.marks.push(Mark::Line { points, color, width: THICK, dashes });
         if self.marks {
             let shown = line.points.iter().filter(|p| frame.shows(p));
             figure.marks.extend(shown.map(|p| Mark::Disc { center: frame.place(*p), radius: 0.8, color }));

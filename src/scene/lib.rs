@@ -318,10 +318,36 @@ pub struct Output {
     pub fields: Vec<Shown>,
     /// A row of `history.csv` every so many steps.
     pub history_every: u64,
+    /// When there is more to see, or less.
+    pub periods: Vec<Period>,
     /// When to write checkpoints.
     pub checkpoint: Checkpoint,
     /// For the wound table, if the scene is a shot through a slab.
     pub wound: Option<Wound>,
+}
+
+impl Output {
+    /// How many frames a run until a time [s] writes at most.
+    pub fn most_frames(&self, until: f64) -> usize {
+        let of = |period: &Period| match period.frames_every {
+            Some(every) if period.from < until => ((period.to.min(until) - period.from) / every) as usize + 1,
+            _ => 0,
+        };
+        if self.frames == 0 { 0 } else { self.frames + 1 + self.periods.iter().map(of).sum::<usize>() }
+    }
+}
+
+/// A part of the simulated time in which output has intervals of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Period {
+    /// From when on [s].
+    pub from: f64,
+    /// Until when [s].
+    pub to: f64,
+    /// Simulated time between frames [s], besides those of the whole run.
+    pub frames_every: Option<f64>,
+    /// Steps between rows of the history, instead of those of the whole run.
+    pub history_every: Option<u64>,
 }
 
 /// When to write checkpoints: whenever one of these says so.

@@ -14,6 +14,8 @@ pub struct Probe {
     pub shown: Shown,
     /// Of whom.
     pub of: ProbeOf,
+    /// Simulated time between rows of its own in the history [s], besides those of all columns.
+    pub interval: Option<f64>,
 }
 
 /// Of which particles a probe shows what.

@@ -321,6 +321,14 @@ impl Simulation {
         Ok(report)
     }
 
+    /// What the probes of the scene show now.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn probes(&mut self) -> Result<Vec<f64>, NetworkError> {
+        self.probes.measure(&self.scene, &self.warehouse, &mut *self.network)
+    }
+
     /// A row of the history has been written: mean forces are taken from here on.
     pub fn mark_row(&mut self) {
         self.ledger.mark(self.clock().time);

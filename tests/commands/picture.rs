@@ -72,7 +72,14 @@ fn scene() -> Scene {
             patches: None,
             threads: None,
         },
-        output: Output { frames: 1, fields: vec![], history_every: 1, checkpoint, wound: Some(wound) },
+        output: Output {
+            frames: 1,
+            fields: vec![],
+            history_every: 1,
+            periods: vec![],
+            checkpoint,
+            wound: Some(wound),
+        },
         lines: Default::default(),
         resolved: String::new(),
     }

@@ -167,14 +167,14 @@ fn harm(pair: &Pair, out: &Path, harm: impl FnOnce()) {
         std::thread::sleep(Duration::from_millis(10));
     }
     harm();
-    let began = Instant::now();
+    let harmed = Instant::now();
     while ok(job.try_wait()).is_none() || pair.b.ranks() != 0 {
-        assert!(began.elapsed() < SOON, "it goes on, with {} ranks on the other host", pair.b.ranks());
+        assert!(harmed.elapsed() < SOON, "it goes on, with {} ranks on the other host", pair.b.ranks());
         std::thread::sleep(Duration::from_millis(50));
     }
     let status = ok(job.wait());
-    println!("ended after {:.1} s: {status}", began.elapsed().as_secs_f64());
-    assert!(!status.success() && status.code() != Some(HANGS));
+    println!("ended after {:.1} s: {status}", harmed.elapsed().as_secs_f64());
+    assert!(!status.success() && began.elapsed() < HANGS);
 }
 
 /// The other host says who left the lock; then a restart by `go_on` has the bits of a run that was never stopped.

@@ -142,6 +142,113 @@ fn probes_are_the_same_on_any_layout_and_over_a_restart() {
     assert!(other.status.code() == Some(2) && words(&other).contains("probe.0.at"), "{}", words(&other));
 }
 
+const DENSE: &str = r#"
+[output]
+frames = 2
+history-every = 1000
+[[output.period]]
+from = "50 us"
+to = "100 us"
+frames-every = "10 us"
+[[output.period]]
+from = "70 us"
+history-every = 2
+to = "90 us"
+"#;
+
+/// Time between two steps of a run, at most [s].
+const STEP: f64 = 2.5e-5;
+
+/// The times of rows in which a column has a number.
+fn times(table: &Table, column: &str) -> Vec<f64> {
+    let (time, column) = (table.column("time_s"), table.column(column));
+    let (time, column) = (time.unwrap_or_default(), column.unwrap_or_default());
+    time.into_iter().zip(column).filter(|(_, x)| x.is_finite()).map(|(t, _)| t).collect()
+}
+
+#[test]
+fn a_probe_has_its_interval_and_output_its_periods_also_over_a_restart() {
+    let folder = ok(tempfile::tempdir());
+    let file = folder.path().join("scene.toml");
+    ok(std::fs::write(&file, format!("{}{DENSE}", block())));
+    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
+    let run = |out: &Path, end: [&str; 2]| {
+        let set = [
+            "probe.0.interval=4 us",
+            "probe.1.interval=30 us",
+            "run.cfl=0.02",
+            "body.block.velocity=[20, 0, 0]",
+        ];
+        let room = format!("domain.upper={ROOM}");
+        let set = set.iter().flat_map(|pair| ["--set", pair]);
+        let words_: Vec<&str> =
+            ["run", text(&file), "-q", end[0], end[1], "--out", text(out), "--set", &room]
+                .into_iter()
+                .chain(set)
+                .collect();
+        let output = sinew(&words_);
+        assert!(output.status.success(), "{}", words(&output));
+    };
+    run(&whole, ["--until", "200 us"]);
+    // in the middle of both periods
+    run(&parts, ["--steps", "245"]);
+    let again = sinew(&["run", "--restart", text(&parts), "-q", "--steps", "100000", "--until", "200 us"]);
+    assert!(again.status.success(), "{}", words(&again));
+    assert!(history(&whole) == history(&parts), "a restart writes the same rows");
+
+    let table = ok(Table::read(&whole.join("history.csv")));
+    let step = table.column("step_size_s").unwrap_or_default().into_iter().fold(0.0, f64::max);
+    assert!(step > 0.0 && step < 1e-6 && STEP > step, "steps are short against the intervals: {step}");
+    // the first step that ends after each interval, and the rows of all columns
+    let all = times(&table, "rubber.kinetic_j");
+    for (probe, every) in [("corner.displacement_x_m", 4e-6), ("right.reference_position_x_m", 3e-5)] {
+        let own: Vec<f64> =
+            times(&table, &format!("probe.{probe}")).into_iter().filter(|t| !all.contains(t)).collect();
+        let due: Vec<f64> = (1..).map(|k| f64::from(k) * every).take_while(|t| *t < 2e-4 - step).collect();
+        let missed =
+            due.iter().filter(|due| !own.iter().chain(&all).any(|t| (-1e-12..=step).contains(&(t - **due))));
+        assert_eq!(missed.count(), 0, "{probe}: {own:?}");
+        assert!(own.len() <= due.len(), "{probe}: {own:?}");
+    }
+    // what a row of its own says is what the particle does: it flies
+    let way = table.column("probe.corner.displacement_x_m").unwrap_or_default();
+    let time = table.column("time_s").unwrap_or_default();
+    for (t, x) in time.iter().zip(way).filter(|(_, x)| x.is_finite()) {
+        assert!((x - 20.0 * t).abs() < 1e-9, "{x} at {t}");
+    }
+    // rows of all columns: the first and the last, and every other step of the period
+    let dense = all.iter().filter(|t| (7e-5..9e-5).contains(*t)).count() as f64;
+    assert!((dense - 2e-5 / (2.0 * step)).abs() < 0.2 * dense, "{dense} rows in the period");
+    assert_eq!(all.len() as f64, dense + 2.0);
+
+    let frames = |folder: &Path| {
+        ok(sinew::output::vtkhdf::Reader::open(&folder.join("particles.vtkhdf"))).times().to_vec()
+    };
+    let due = [0.0, 5e-5, 6e-5, 7e-5, 8e-5, 9e-5, 1e-4, 2e-4];
+    let found = frames(&whole);
+    assert_eq!(found.len(), due.len(), "{found:?}");
+    assert!(found.iter().zip(due).all(|(t, due)| (-1e-12..=step).contains(&(t - due))), "{found:?}");
+    assert_eq!(frames(&parts), found);
+}
+
+#[test]
+fn periods_that_say_nothing_are_refused() {
+    for (value, expected) in [
+        ("[{ from = 1, to = 0.5, history-every = 1 }]", "the period ends at 0.5 s, and begins at 1 s"),
+        ("[{ from = 0.5 }]", "the period changes nothing"),
+        ("[{ frames-every = 0 }]", "output.period.0.frames-every"),
+    ] {
+        let overrides = [("output.period".to_owned(), value.to_owned())];
+        let error = read_text("test", &block(), &overrides, None).expect_err(expected);
+        let words = format!("{:?}", miette::Report::new(error)).replace('│', " ");
+        assert!(words.split_whitespace().collect::<Vec<_>>().join(" ").contains(expected), "{words}");
+    }
+    let none = [("output.frames", "0"), ("output.period", "[{ frames-every = 1 }]")];
+    let error = read_text("test", &block(), &none.map(|(k, v)| (k.to_owned(), v.to_owned())), None);
+    let words = format!("{:?}", miette::Report::new(error.expect_err("no frames")));
+    assert!(words.contains("there are no frames at all"), "{words}");
+}
+
 #[test]
 fn probes_of_nothing_are_refused() {
     for (key, value, expected) in [

@@ -105,7 +105,7 @@ fn output(scene: &Scene) -> String {
     let names: Vec<&str> = scene.output.fields.iter().map(|shown| shown.name).collect();
     format!(
         "{} frames of up to {:.1} MiB each: {}",
-        scene.output.frames + 1,
+        scene.output.most_frames(scene.run.until),
         bytes as f64 / f64::from(1 << 20),
         names.join(", ")
     )

@@ -1,5 +1,6 @@
 //! When a frame or a checkpoint is due.
-use scene::{Checkpoint, Scene};
+use scene::shown::Probe;
+use scene::{Checkpoint, Period, Scene};
 use std::time::Instant;
 
 /// A hair early rather than a step late.
@@ -34,9 +35,53 @@ pub fn stored_history_every(resolved: &str) -> Option<u64> {
     scene.get("output")?.get("history-every")?.as_integer()?.try_into().ok()
 }
 
-/// Whether frame `number`, counted from 0, is due at a time.
-pub fn frame(time: f64, number: usize, scene: &Scene) -> bool {
+/// Whether frame `number` of the whole run, counted from 0, is due at a time.
+fn frame(time: f64, number: usize, scene: &Scene) -> bool {
     time >= number as f64 * frame_interval(scene) * (1.0 - HAIR)
+}
+
+/// What is due after a step.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Due {
+    /// A row of the history with all columns.
+    pub row: bool,
+    /// Probes, by number, of which a row is due without the other columns.
+    pub probes: Vec<usize>,
+    /// A frame of the whole run.
+    pub frame: bool,
+    /// A frame of a period.
+    pub extra: bool,
+}
+
+impl Due {
+    /// After step `steps`, at a time [s], with the step before at another one; `number` is that of the next frame of the whole run.
+    pub fn after(steps: u64, [before, time]: [f64; 2], number: usize, scene: &Scene) -> Self {
+        let output = &scene.output;
+        let here = |period: &&Period| (period.from..period.to).contains(&time);
+        let every = output.periods.iter().rev().filter(here).find_map(|period| period.history_every);
+        let row = steps.is_multiple_of(every.unwrap_or(output.history_every).max(1));
+        let own =
+            |probe: &Probe| probe.interval.is_some_and(|every| passed(time, every) > passed(before, every));
+        let probes = scene.probes.iter().enumerate().filter(|(_, probe)| !row && own(probe));
+        let frames = output.frames > 0;
+        Self {
+            row,
+            probes: probes.map(|(number, _)| number).collect(),
+            frame: frames && frame(time, number, scene),
+            extra: frames
+                && output.periods.iter().any(|period| begins(period, time) > begins(period, before)),
+        }
+    }
+}
+
+/// How many intervals between frames of a period have begun.
+fn begins(period: &Period, time: f64) -> usize {
+    match period.frames_every {
+        Some(every) if time >= period.from * (1.0 - HAIR) => {
+            passed(time.min(period.to) - period.from, every) + 1
+        }
+        _ => 0,
+    }
 }
 
 /// When checkpoints are due.

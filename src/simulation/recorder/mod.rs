@@ -17,7 +17,7 @@ use crate::output::summary::{Status, Summary};
 use crate::output::{self, vtkhdf};
 use crate::output::{parcel, together};
 use backup::Backup;
-use due::Checkpoints;
+use due::{Checkpoints, Due};
 use engine::exec::ranks::{Network, collective};
 use files::Files;
 pub use files::{Held, held, is_result};
@@ -34,8 +34,10 @@ pub struct Recorder {
     claim: Option<Rc<Claim>>,
     /// On rank 0.
     files: Option<Files>,
-    /// Number of the next frame.
+    /// Number of the next frame of the whole run.
     due: usize,
+    /// Simulated time after the last step [s].
+    time: f64,
     checkpoints: Checkpoints,
     /// Whether the last row, and the last frame, were written only because the run ends.
     last: [bool; 2],
@@ -108,6 +110,7 @@ impl Recorder {
         let mut recorder = Self::new(folder, run, simulation, files);
         recorder.row(simulation, true)?;
         recorder.frame(simulation)?;
+        recorder.due = usize::from(simulation.scene.output.frames > 0);
         Ok(recorder)
     }
 
@@ -158,6 +161,7 @@ impl Recorder {
             claim: None,
             files,
             due: 0,
+            time: simulation.clock().time,
             checkpoints,
             last: [false; 2],
             began,
@@ -188,17 +192,23 @@ impl Recorder {
     /// If a file cannot be written.
     pub fn step(&mut self, simulation: &mut Simulation, interrupted: bool) -> output::Result<Next> {
         let finished = simulation.finished();
-        let row = simulation.steps().is_multiple_of(simulation.scene.output.history_every.max(1));
-        let frame = due::frame(simulation.clock().time, self.due, &simulation.scene);
+        let time = simulation.clock().time;
+        let between = [std::mem::replace(&mut self.time, time), time];
+        let Due { row, probes, frame, extra } =
+            Due::after(simulation.steps(), between, self.due, &simulation.scene);
         if row || finished {
             self.row(simulation, row)?;
+        } else if !probes.is_empty() {
+            self.probes(simulation, &probes)?;
         }
-        if frame || finished {
+        if frame || extra || finished {
             self.frame(simulation)?;
+            self.due += usize::from(frame || !extra);
         }
-        self.last = [finished && !row, finished && !frame && simulation.scene.output.frames > 0];
+        let frames = simulation.scene.output.frames > 0;
+        self.last = [finished && !row, finished && !frame && !extra && frames];
         let wanted = simulation.scene.output.checkpoint;
-        let (steps, time) = (simulation.steps(), simulation.clock().time);
+        let steps = simulation.steps();
         let by_step = self.checkpoints.by_step(steps, time, finished, &wanted);
         let by_clock = simulation.network().rank() == 0 && self.checkpoints.by_clock(&wanted);
         let keep = simulation.network().rank() == 0 && self.backup.is_due(simulation);
@@ -229,6 +239,18 @@ impl Recorder {
         Ok(())
     }
 
+    /// A row with some probes alone.
+    fn probes(&mut self, simulation: &mut Simulation, numbers: &[usize]) -> output::Result<()> {
+        let began = simulation.begin_output();
+        let values = simulation.probes()?;
+        let (clock, step) = (simulation.clock(), simulation.steps());
+        let cells = rows::probes_alone(&simulation.scene, [clock.time, clock.tick], step, &values, numbers);
+        let written = self.files.as_mut().map_or(Ok(()), |files| files.history.row(&cells));
+        together::agree(simulation.network(), written)?;
+        self.output_s += simulation.end_output(&began);
+        Ok(())
+    }
+
     fn frame(&mut self, simulation: &mut Simulation) -> output::Result<()> {
         if simulation.scene.output.frames == 0 {
             return Ok(());
@@ -238,7 +260,6 @@ impl Recorder {
         let writer = self.files.as_mut().and_then(|files| files.particles.as_mut());
         let written = write_frame(writer, simulation, held);
         together::agree(simulation.network(), written)?;
-        self.due += 1;
         self.output_s += simulation.end_output(&began);
         Ok(())
     }
