@@ -9,6 +9,7 @@ mod compare;
 mod export;
 mod fields;
 mod picture;
+mod plot;
 mod scale;
 mod scale_trace;
 mod tables;

@@ -3,7 +3,8 @@
 use crate::common;
 use engine::exec::ranks::local::Local;
 use engine::exec::ranks::{Alone, Network};
-use engine::exec::trace::{Event, Kind, Recorder, Track};
+use engine::exec::recorder::{Recorder, Track};
+use engine::exec::trace::{Event, Kind};
 use engine::graph::build::TaskGraph;
 use sinew::lab::diagram::{Diagram, Kind as Item};
 use sinew::lab::plan::plan;

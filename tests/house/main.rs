@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod layering;
+mod pages;
 mod registries;
 mod scene_docs;
 mod scenes;

@@ -256,7 +256,7 @@ fn gaps(n: &str, width: usize) -> Vec<[f64; 2]> {
 #[test]
 fn blocks_feel_each_other_when_their_surfaces_meet() {
     for n in ["1", "2", "3", "4"] {
-        assert!(gaps(n, 1).iter().flatten().all(|gap| gap.abs() < 0.1), "remaining gap in cells");
+        assert!(gaps(n, 1).iter().flatten().all(|gap| gap.abs() < 0.01), "remaining gap in cells");
     }
 }
 
@@ -264,7 +264,7 @@ fn blocks_feel_each_other_when_their_surfaces_meet() {
 /// be taken for surfaces that touch.
 #[test]
 fn blocks_with_flush_edges_feel_each_other_when_their_surfaces_meet() {
-    assert!(gaps("2", 2).iter().flatten().all(|gap| gap.abs() < 0.1), "remaining gap in cells");
+    assert!(gaps("2", 2).iter().flatten().all(|gap| gap.abs() < 0.01), "remaining gap in cells");
 }
 
 /// With a gap of their own they feel each other so far away.

@@ -2,10 +2,10 @@
 use super::args::SceneArgs;
 use super::fail::Failure;
 use super::progress::duration;
-use scene::{Body, Scene};
+use super::trial::{Pace, Trial};
+use scene::{Body, Rates, Scene};
 use simd::Isa;
-use sinew::simulation::{Simulation, rates};
-use std::time::{Duration, Instant};
+use sinew::simulation::rates;
 
 /// Validate a scene; print particles, cells, memory, steps and the predicted wall time
 #[derive(clap::Args)]
@@ -17,8 +17,8 @@ pub struct Args {
     validate_only: bool,
 }
 
-/// Steps that are tried to predict the wall time: at least so many, and for as long.
-const TRIAL: (u64, Duration) = (5, Duration::from_secs(1));
+/// Rates of their own are told of, if they take less than this part of the time.
+const WORTH: f64 = 0.9;
 
 /// Pairs of materials without contact that are named.
 const MOST_PAIRS: usize = 5;
@@ -47,48 +47,54 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(rates) = own_steps(&scene) {
         println!("rates          {rates} (an estimate at rest)");
     }
-    let (until, most) = (scene.run.until, scene.run.steps);
-    let mut simulation = Simulation::new(scene, isa)?;
-    simulation.step()?;
-    let (particle_bytes, node_bytes) = simulation.bytes();
-    let (particles, nodes) = (simulation.warehouse.particle_count(), simulation.warehouse.node_count());
+    let common = scene.run.rates == Rates::Common;
+    let tried = Trial::of(scene, isa)?;
     let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
     println!(
         "memory         {:.0} MiB of particles ({} bytes each), {:.0} MiB of nodes ({} bytes each in active blocks)",
-        mib(particle_bytes),
-        particle_bytes / particles.max(1),
-        mib(node_bytes),
-        node_bytes / nodes.max(1)
+        mib(tried.particles.1),
+        tried.particles.1 / tried.particles.0.max(1),
+        mib(tried.nodes.1),
+        tried.nodes.1 / tried.nodes.0.max(1)
     );
-    let (start, ticks, steps, updates) = state(&simulation);
-    let began = Instant::now();
-    while simulation.steps() < steps + TRIAL.0 || began.elapsed() < TRIAL.1 {
-        if !simulation.step()? {
-            break;
-        }
+    let Some(pace) = &tried.pace else {
+        println!("step           the run ends with step {}", tried.steps);
+        return Ok(());
+    };
+    let of_ticks = if pace.ticks == 1.0 { String::new() } else { format!(" in {:.1} ticks", pace.ticks) };
+    println!(
+        "step           {:.3e} s{of_ticks} at the start; {:.0} steps, if it stays so",
+        pace.step, pace.all
+    );
+    println!(
+        "wall time      about {} ({:.2} million particle updates a second on {} threads, {} steps tried)",
+        duration(pace.wall()),
+        pace.updates_per_s / 1e6,
+        tried.threads,
+        pace.tried
+    );
+    if common {
+        with_own_rates(args, isa, pace)?;
     }
-    let spent = began.elapsed().as_secs_f64();
-    let (time, last_tick, last, updated) = state(&simulation);
-    if last == steps {
-        println!("step           the run ends with step {last}");
+    Ok(())
+}
+
+/// What rates of their own would save, if it is much.
+fn with_own_rates(args: &Args, isa: Isa, common: &Pace) -> Result<(), Failure> {
+    let mut overrides = args.scene.changes.overrides()?;
+    overrides.push(("run.rates".to_owned(), "per-material".to_owned()));
+    let scene = sinew::input::read(&args.scene.scene, &overrides)?;
+    if rates::at_rest(&scene).own.iter().all(|own| own.ticks < 2) {
         return Ok(());
     }
-    // steps as they are, with all ticks that each takes
-    let tried = (last - steps) as f64;
-    let (step, seconds) = ((time - start) / tried, spent / tried);
-    let by_time = (until / step).ceil();
-    let all = most.map_or(by_time, |most| by_time.min(most as f64));
-    let of_ticks = match (last_tick - ticks) as f64 / tried {
-        1.0 => String::new(),
-        ticks => format!(" in {ticks:.1} ticks"),
-    };
-    println!("step           {step:.3e} s{of_ticks} at the start; {all:.0} steps, if it stays so");
-    println!(
-        "wall time      about {} ({:.2} million particle updates a second on {} threads, {tried} steps tried)",
-        duration(all * seconds),
-        (updated - updates) as f64 / spent / 1e6,
-        simulation.threads()
-    );
+    let Some(pace) = Trial::of(scene, isa)?.pace else { return Ok(()) };
+    if pace.wall() < WORTH * common.wall() {
+        println!(
+            "with rates     about {}, if each material takes steps of its own (--set run.rates=per-material; what it costs in accuracy: \
+             problems/slab)",
+            duration(pace.wall())
+        );
+    }
     Ok(())
 }
 
@@ -148,11 +154,6 @@ fn leaves(scene: &Scene) -> Option<String> {
     let time = way / speed;
     (speed > 0.0 && time < scene.run.until)
         .then(|| format!("projectile     {}: unhindered it reaches the end of the domain after {:.3} ms, before the run ends", body.name, 1e3 * time))
-}
-
-/// Time, ticks, steps, and particles moved.
-fn state(simulation: &Simulation) -> (f64, u64, u64, u64) {
-    (simulation.clock().time, simulation.ticks(), simulation.steps(), simulation.updates())
 }
 
 /// The steps of materials in those of the fastest, if each takes its own: an estimate.

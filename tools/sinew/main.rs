@@ -3,6 +3,8 @@ mod args;
 mod bench;
 mod check;
 mod compare;
+#[cfg(test)]
+mod documented;
 mod ending;
 mod export;
 mod fail;
@@ -23,6 +25,7 @@ mod scene_docs;
 mod shell;
 mod signals;
 mod stop;
+mod trial;
 mod voice;
 mod wound;
 

@@ -8,7 +8,7 @@ use super::say::{say, tell};
 use super::stop::Stop;
 use super::voice::{Voice, event};
 use super::{ending, folder, picture, ranks, restart, wound};
-use engine::exec::trace;
+use engine::exec::recorder;
 use scene::Scene;
 use sinew::input::Written;
 use sinew::output::checkpoint;
@@ -37,7 +37,7 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
     let title = format!("{} ({})", simulation.scene.title, simulation.scene.name);
     let mut progress = Progress::begin(&title, &mut simulation, voice)?;
     if args.trace {
-        simulation.set_trace(trace::BOUND);
+        simulation.set_trace(recorder::BOUND);
     }
     progress.warn(recorder.warnings());
     let end = march(&mut simulation, &mut recorder, &mut progress, &mut stop)?;

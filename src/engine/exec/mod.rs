@@ -8,6 +8,7 @@ mod lending;
 pub mod meter;
 pub mod order;
 pub mod ranks;
+pub mod recorder;
 pub mod relocate;
 pub mod scratch;
 pub mod serial;

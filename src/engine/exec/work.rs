@@ -1,8 +1,9 @@
 //! Phases over blocks: lists of blocks, spread over workers.
 use super::Executor;
+use super::recorder::Recorder;
 use super::scratch::Scratch;
 use super::stage::{self, Context};
-use super::trace::{Event, Kind, NONE, Recorder};
+use super::trace::{Event, Kind, NONE};
 use crate::data::layout::NodeLayout;
 use crate::data::nodes::NodeBlock;
 use crate::data::particles::ParticleBlock;

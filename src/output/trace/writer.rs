@@ -2,7 +2,8 @@
 use crate::output::create::create;
 use crate::output::error::{Result, io};
 use engine::exec::ranks::{Network, collective, pack, unpack};
-use engine::exec::trace::{Event, Kind, NONE, Recorder, TRAVELERS, Track};
+use engine::exec::recorder::{Recorder, Track};
+use engine::exec::trace::{Event, Kind, NONE, TRAVELERS};
 use engine::graph::build::TaskGraph;
 use engine::graph::phase::Stage;
 use serde_json::{Value, json};
