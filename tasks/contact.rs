@@ -297,7 +297,7 @@ fn join(impulse: &mut [Impulse], fields: usize, n: usize, pair: [usize; 2]) {
     }
 }
 
-/// Unit normal from a to b, and Σ V |∇S| of both sides.
+/// Unit normal from a to b, and |Σ V ∇S of a − Σ V ∇S of b|: an area.
 fn normal([a, b]: &[Side<'_>; 2]) -> Option<([f64; 3], f64)> {
     let difference: [f64; 3] = std::array::from_fn(|i| a.outward()[i] - b.outward()[i]);
     let area = dot(difference, difference).sqrt();
