@@ -6,10 +6,10 @@ mod cli;
 #[path = "../common/mod.rs"]
 mod common;
 mod compare;
+mod drawn;
 mod export;
 mod fields;
 mod picture;
-mod plot;
 mod scale;
 mod scale_trace;
 mod tables;

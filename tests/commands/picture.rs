@@ -338,6 +338,9 @@ fn frames_are_measured_with_the_scene() {
     assert!((report.caliber_m - 9.0 * MM).abs() < 0.6 * MM);
     assert!(report.taper > 0.1 && report.exit_m > report.entry_m && report.entry_m > 9.0 * MM, "{report}");
     assert!(report.loose_fraction > 0.01);
+    let plot = report.plot("a wound");
+    keep(&plot.draw(120.0), "profile.png");
+    assert!(plot.lines.iter().all(|line| line.points.len() == report.layers.len()));
     assert!(wound::measure(&scene, None, &first).unwrap().to_string().contains("has not reached"));
     scene.output.wound = None;
     let message = wound::measure(&scene, Some(&first), &last).unwrap_err().to_string();

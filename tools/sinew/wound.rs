@@ -2,6 +2,7 @@
 use super::fail::Failure;
 use super::say::say;
 use scene::Scene;
+use sinew::lab::figure::Format;
 use sinew::lab::wound::{Report, Unmeasured, measure};
 use sinew::output::frame::Frame;
 use sinew::output::snapshot::Snapshot;
@@ -19,11 +20,23 @@ pub struct Args {
     /// Print JSON instead of a table
     #[arg(long)]
     json: bool,
+    /// Draw diameters over the depth, too: a .svg or a .png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
 }
+
+/// Width of the plot [mm], and pixels an inch.
+const WIDTH: f64 = 120.0;
+const DPI: f64 = 200.0;
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let report = report(&args.dir, args.frame)?;
+    if let Some(file) = &args.plot {
+        super::folder::refuse_result(file)?;
+        let (format, scene) = (Format::of(file).map_err(Failure::usage)?, scene_of(&args.dir)?);
+        report.plot(&scene.title).draw(WIDTH).write(file, format, DPI)?;
+    }
     if args.json {
         println!("{:#}", report.json())
     } else {

@@ -1,5 +1,7 @@
 //! The wound as numbers, as a table beside the paper's, and as JSON.
 use super::{Ellipse, Layer, Scale, Tissue, code};
+use crate::lab::figure::axis::Quantity;
+use crate::lab::plot::{Line, Plot};
 use serde::Serialize;
 use std::fmt;
 
@@ -92,6 +94,26 @@ pub struct Report {
 }
 
 impl Report {
+    /// Diameters over the depth.
+    pub fn plot(&self, title: &str) -> Plot {
+        let line = |name: &str, diameter: fn(&Layer) -> f64| Line {
+            name: name.to_owned(),
+            points: self.layers.iter().map(|layer| [layer.depth_m, diameter(layer)]).collect(),
+        };
+        Plot {
+            title: title.to_owned(),
+            axes: ["depth from the surface of entry", "diameter"]
+                .map(|words| Quantity { words: words.into(), unit: "m".into() }),
+            log: [false; 2],
+            marks: true,
+            lines: vec![
+                line("cavity", |layer| layer.cavity_m),
+                line("cavity and failed layer", |layer| layer.failed_layer_m),
+                line("failed reach", |layer| layer.failed_reach_m),
+            ],
+        }
+    }
+
     pub(super) fn of(tissue: &Tissue, attached: &[bool], layers: Vec<Layer>, scale: Scale) -> Self {
         let share = |n: usize| n as f64 / tissue.failure.len().max(1) as f64;
         let fraction = |kind: u8| share(tissue.failure.iter().filter(|&&f| f == kind).count());
