@@ -6,23 +6,25 @@ use engine::data::extent::Bases;
 use engine::graph::task::{At, Body};
 use simd::{Simd, load, store};
 
-/// v_p ← (1 − β)(v_p + Σ S Δv) + β Σ S v ;  x_p ← x_p + Δt Σ S v : FLIP with a fraction β of PIC.
-/// The kinetic energy that particles gain is taken from `TransferLoss`.
-/// J. U. Brackbill, H. M. Ruppel, JCP 65, 1986, 314–343 (doi:10.1016/0021-9991(86)90211-1).
-pub struct Advance {
-    /// Says β.
-    pub pic: Pic,
-    /// Where particles are, for the extent of their block.
-    pub bases: Bases,
-}
+engine::task! {
+    /// Particles take their new velocity, and move: v_p ← (1 − β)(v_p + Σ S Δv) + β Σ S v, x_p ← x_p + Δt Σ S v. This is FLIP with a fraction β
+    /// of PIC. The kinetic energy that particles gain is taken from `TransferLoss`.
+    /// J. U. Brackbill, H. M. Ruppel, JCP 65, 1986, 314–343 (doi:10.1016/0021-9991(86)90211-1).
+    pub struct Advance {
+        /// Says β.
+        pub pic: Pic,
+        /// Where particles are, for the extent of their block.
+        pub bases: Bases,
+    }
 
-engine::task! { Particles task Advance {
-    requires old { mass: Mass }
-    requires new { grid_velocity: GridVelocity, change: VelocityChange }
-    requires now { step: OwnStep }
-    computes { extent: BlockExtent, loss: TransferLoss }
-    modifies { position: Position, velocity: Velocity }
-}}
+    Particles task {
+        requires old { mass: Mass }
+        requires new { grid_velocity: GridVelocity, change: VelocityChange }
+        requires now { step: OwnStep }
+        computes { extent: BlockExtent, loss: TransferLoss }
+        modifies { position: Position, velocity: Velocity }
+    }
+}
 
 impl Body for Advance {
     #[inline(always)]

@@ -2,13 +2,15 @@ use crate::labels::{Bond, ContactFlow as ContactFlowLabel, Mass, Position, Volum
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// As `ContactFlow`, with m_p b_p of a material whose bonds may break.
-pub struct BondFlow;
+engine::task! {
+    /// As `ContactFlow`, with m_p b_p of a material whose bonds may break.
+    pub struct BondFlow;
 
-engine::task! { NearParticles task BondFlow {
-    requires old { mass: Mass, position: Position, volume: Volume, bond: Bond }
-    computes { flow: ContactFlowLabel }
-}}
+    NearParticles task {
+        requires old { mass: Mass, position: Position, volume: Volume, bond: Bond }
+        computes { flow: ContactFlowLabel }
+    }
+}
 
 impl Body for BondFlow {
     #[inline(always)]

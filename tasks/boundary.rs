@@ -5,23 +5,25 @@ use grid::{BLOCK, Lattice, NODES};
 use physics::faces::{AnyFaceCondition, FaceCondition};
 use simd::Simd;
 
-/// Conditions on the faces of the domain, on all nodes at or beyond them, at the end of a material's step.
-pub struct Boundary {
-    /// On x−, x+, y−, y+, z−, z+.
-    pub faces: [AnyFaceCondition; 6],
-    /// Their tiles of `Reactions`.
-    pub tiles: [usize; 6],
-    /// Where nodes are.
-    pub lattice: Lattice,
-    /// Cells of the level along each axis.
-    pub cells: [usize; 3],
-}
+engine::task! {
+    /// Holds the nodes at or beyond the faces of the domain to the conditions there, at the end of a material's step.
+    pub struct Boundary {
+        /// On x−, x+, y−, y+, z−, z+.
+        pub faces: [AnyFaceCondition; 6],
+        /// Their tiles of `Reactions`.
+        pub tiles: [usize; 6],
+        /// Where nodes are.
+        pub lattice: Lattice,
+        /// Cells of the level along each axis.
+        pub cells: [usize; 3],
+    }
 
-engine::task! { Nodes task Boundary {
-    requires now { time: Time, step: OwnStep }
-    computes { reactions: Reactions }
-    modifies { motion: NodeMotion }
-}}
+    Nodes task {
+        requires now { time: Time, step: OwnStep }
+        computes { reactions: Reactions }
+        modifies { motion: NodeMotion }
+    }
+}
 
 impl Boundary {
     /// Whether a node lies at or beyond the face.

@@ -2,14 +2,17 @@ use crate::labels::{Bond, ContactImpulse, Weights};
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// b_p = 0 for particles most of whose weight lies on nodes where bonds broke in this step; nodes that bear none of the stress do not count.
-pub struct BreakBond;
+engine::task! {
+    /// Breaks the bond of particles, b_p = 0, most of whose weight lies on nodes where bonds broke in this step; nodes that bear none of the
+    /// stress do not count.
+    pub struct BreakBond;
 
-engine::task! { NearParticles task BreakBond {
-    requires new { weights: Weights }
-    requires now { broken: ContactImpulse @ 3 }
-    modifies { bond: Bond }
-}}
+    NearParticles task {
+        requires new { weights: Weights }
+        requires now { broken: ContactImpulse @ 3 }
+        modifies { bond: Bond }
+    }
+}
 
 impl Body for BreakBond {
     #[inline(always)]

@@ -2,13 +2,15 @@ use crate::labels::{StepOver, Time};
 use engine::graph::task::{At, Body};
 use simd::{Simd, Wide};
 
-/// The tick is over: t ← t + Δt; whether all materials are together again, so that the step is over too.
-pub struct AdvanceClock;
+engine::task! {
+    /// Ends the tick: t ← t + Δt; and says whether all materials are together again, so that the step is over too.
+    pub struct AdvanceClock;
 
-engine::task! { Once task AdvanceClock {
-    computes { over: StepOver }
-    modifies { time: Time }
-}}
+    Once task {
+        computes { over: StepOver }
+        modifies { time: Time }
+    }
+}
 
 impl Body for AdvanceClock {
     #[inline(always)]

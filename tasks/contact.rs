@@ -10,19 +10,27 @@ use physics::contact::surface::SurfaceTable;
 use physics::contact::{AnyContactLaw, ContactLaw, Exchange, HeldPair, Pair, Seen, dot};
 use simd::Simd;
 
-/// Contact of pairs of materials at the nodes that they share. Listed twice in the recipe: for the interpolated and
-/// for the integrated velocities.
-pub struct Contact {
-    /// The pairs of fields, bonds first, and else in the order of the scene: impulses are exchanged pair by pair.
-    pub pairs: Vec<FieldPair>,
-    /// Where nodes are.
-    pub lattice: Lattice,
-    /// Mass below which a node carries nothing [kg].
-    pub least_mass: f64,
-    /// Where surfaces lie, for each material.
-    pub surfaces: Vec<SurfaceTable>,
-    /// Whether it meets the interpolated velocities, before forces act.
-    pub interpolated: bool,
+engine::task! {
+    /// Contact of pairs of materials at the nodes that they share. Listed twice in the recipe: for the interpolated and
+    /// for the integrated velocities.
+    pub struct Contact {
+        /// The pairs of fields, bonds first, and else in the order of the scene: impulses are exchanged pair by pair.
+        pub pairs: Vec<FieldPair>,
+        /// Where nodes are.
+        pub lattice: Lattice,
+        /// Mass below which a node carries nothing [kg].
+        pub least_mass: f64,
+        /// Where surfaces lie, for each material.
+        pub surfaces: Vec<SurfaceTable>,
+        /// Whether it meets the interpolated velocities, before forces act.
+        pub interpolated: bool,
+    }
+
+    Nodes task {
+        requires new { sums: NodeSums, surfaces: ContactSums }
+        computes { reactions: Reactions }
+        modifies { motion: NodeMotion, impulse: ContactImpulse }
+    }
 }
 
 /// Area of a bond about a node, in faces of cells, below which the node does not decide whether the bond breaks. Nodes about a cell away
@@ -41,12 +49,6 @@ pub struct FieldPair {
     /// Its tile of `Reactions`.
     pub tile: usize,
 }
-
-engine::task! { Nodes task Contact {
-    requires new { sums: NodeSums, surfaces: ContactSums }
-    computes { reactions: Reactions }
-    modifies { motion: NodeMotion, impulse: ContactImpulse }
-}}
 
 impl Body for Contact {
     #[inline(always)]

@@ -4,13 +4,15 @@ use engine::graph::task::{At, Body};
 use grid::NODES;
 use simd::Simd;
 
-/// No impulse yet, where a step begins.
-pub struct ContactBegin;
+engine::task! {
+    /// Sets the impulse of contact to zero where a step begins.
+    pub struct ContactBegin;
 
-engine::task! { Nodes task ContactBegin {
-    requires new { motion: NodeMotion }
-    computes { impulse: ContactImpulse }
-}}
+    Nodes task {
+        requires new { motion: NodeMotion }
+        computes { impulse: ContactImpulse }
+    }
+}
 
 impl Body for ContactBegin {
     #[inline(always)]

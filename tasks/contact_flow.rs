@@ -2,13 +2,15 @@ use crate::labels::{ContactFlow as ContactFlowLabel, Mass, Position, Volume};
 use engine::graph::task::{At, Body};
 use simd::{Simd, Wide};
 
-/// What contact needs to know of a surface: (mx)_I = Σ_p S_Ip m_p x_p, with m_I, and g_I = Σ_p V_p ∇S_Ip.
-pub struct ContactFlow;
+engine::task! {
+    /// What contact needs to know of a surface: (mx)_I = Σ_p S_Ip m_p x_p, with m_I, and g_I = Σ_p V_p ∇S_Ip.
+    pub struct ContactFlow;
 
-engine::task! { NearParticles task ContactFlow {
-    requires old { mass: Mass, position: Position, volume: Volume }
-    computes { flow: ContactFlowLabel }
-}}
+    NearParticles task {
+        requires old { mass: Mass, position: Position, volume: Volume }
+        computes { flow: ContactFlowLabel }
+    }
+}
 
 impl Body for ContactFlow {
     #[inline(always)]

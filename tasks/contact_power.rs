@@ -4,17 +4,19 @@ use grid::NODES;
 use physics::contact::dot;
 use simd::Simd;
 
-/// Energy that contact takes: − Σ J · (v⁰ + v)/2 over nodes and materials, with J all impulse of a material's step, v⁰ and v
-/// the velocities at its start and end.
-///
-/// Measured against the motion of the whole step, because a surface that is merely pressed against another is
-/// pushed in by its stress and back by contact within every step: neither is work.
-pub struct ContactPower;
+engine::task! {
+    /// Energy that contact takes: − Σ J · (v⁰ + v)/2 over nodes and materials, with J all impulse of a material's step, v⁰ and v
+    /// the velocities at its start and end.
+    ///
+    /// Measured against the motion of the whole step, because a surface that is merely pressed against another is
+    /// pushed in by its stress and back by contact within every step: neither is work.
+    pub struct ContactPower;
 
-engine::task! { Nodes task ContactPower {
-    requires now { impulse: ContactImpulse, motion: NodeMotion }
-    computes { work: ContactWork }
-}}
+    Nodes task {
+        requires now { impulse: ContactImpulse, motion: NodeMotion }
+        computes { work: ContactWork }
+    }
+}
 
 impl Body for ContactPower {
     #[inline(always)]

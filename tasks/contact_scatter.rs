@@ -5,14 +5,16 @@ use engine::graph::task::{At, Body};
 use shapes::NodeRows;
 use simd::{Simd, Wide, load};
 
-/// Adds the contact flows to the nodes.
-pub struct ContactScatter;
+engine::task! {
+    /// Particles near another material add to the grid nodes what contact needs to know of their surface.
+    pub struct ContactScatter;
 
-engine::task! { NearParticles task ContactScatter {
-    requires new { weights: Weights, flow: ContactFlow }
-    computes { nodes: ContactSums @ 3 }
-    scratch { rows: ScatterRows }
-}}
+    NearParticles task {
+        requires new { weights: Weights, flow: ContactFlow }
+        computes { nodes: ContactSums @ 3 }
+        scratch { rows: ScatterRows }
+    }
+}
 
 impl Body for ContactScatter {
     #[inline(always)]

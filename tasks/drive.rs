@@ -9,26 +9,28 @@ use engine::graph::task::{At, Body};
 use grid::Lattice;
 use simd::{LANES, Simd};
 
-/// Particles of a driven region go where their drive takes them, whatever the nodes say. What the drive gives is what it gave to
-/// their nodes, shared by mass, and what the particles take beyond that.
-pub struct Drive {
-    /// The drives.
-    pub drives: Drives,
-    /// The tile of `Reactions` of the first of them.
-    pub first: usize,
-    /// Faces: nodes beyond them have what their images have.
-    pub images: Images,
-    /// Where nodes are.
-    pub lattice: Lattice,
-}
+engine::task! {
+    /// Particles of a driven region go where their drive takes them, whatever the nodes say. What the drive gives is what it gave to
+    /// their nodes, shared by mass, and what the particles take beyond that.
+    pub struct Drive {
+        /// The drives.
+        pub drives: Drives,
+        /// The tile of `Reactions` of the first of them.
+        pub first: usize,
+        /// Faces: nodes beyond them have what their images have.
+        pub images: Images,
+        /// Where nodes are.
+        pub lattice: Lattice,
+    }
 
-engine::task! { Particles task Drive {
-    requires old { index: DriveIndex, mass: Mass, position: Position, velocity: Velocity }
-    requires new { weights: Weights, gift: DriveGift @ 3 }
-    requires now { step: OwnStep }
-    computes { reactions: Reactions, loss: TransferLoss }
-    modifies { grid_velocity: GridVelocity, change: VelocityChange }
-}}
+    Particles task {
+        requires old { index: DriveIndex, mass: Mass, position: Position, velocity: Velocity }
+        requires new { weights: Weights, gift: DriveGift @ 3 }
+        requires now { step: OwnStep }
+        computes { reactions: Reactions, loss: TransferLoss }
+        modifies { grid_velocity: GridVelocity, change: VelocityChange }
+    }
+}
 
 impl Body for Drive {
     #[inline(always)]

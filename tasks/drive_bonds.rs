@@ -5,14 +5,16 @@ use engine::graph::task::{At, Body};
 use grid::NODES;
 use simd::Simd;
 
-/// What is bonded to driven matter goes with it at its nodes; the drive gives what that takes.
-pub struct DriveBonds(pub Bonds);
+engine::task! {
+    /// What is bonded to driven matter goes with it at its nodes; the drive gives what that takes.
+    pub struct DriveBonds(pub Bonds);
 
-engine::task! { Nodes task DriveBonds {
-    requires now { step: OwnStep, driven: DriveSums }
-    computes { reactions: Reactions }
-    modifies { motion: NodeMotion, impulse: ContactImpulse, gift: DriveGift }
-}}
+    Nodes task {
+        requires now { step: OwnStep, driven: DriveSums }
+        computes { reactions: Reactions }
+        modifies { motion: NodeMotion, impulse: ContactImpulse, gift: DriveGift }
+    }
+}
 
 impl Body for DriveBonds {
     #[inline(always)]

@@ -4,16 +4,18 @@ use engine::graph::task::{At, Body};
 use grid::NODES;
 use simd::Simd;
 
-/// v_I = P_I / M_I along driven axes, on all nodes that driven particles touch noticeably, at the end of a material's step: a
-/// condition of Dirichlet, so that what is next to a grip is strained by the whole of its motion. What that takes is told to the
-/// particles of the drives.
-pub struct DriveNodes;
+engine::task! {
+    /// Moves all nodes that driven particles touch noticeably as their drives say, along driven axes, at the end of a material's step:
+    /// v_I = P_I / M_I. It is a condition of Dirichlet, so that what is next to a grip is strained by the whole of its motion. What that takes is
+    /// told to the particles of the drives.
+    pub struct DriveNodes;
 
-engine::task! { Nodes task DriveNodes {
-    requires now { step: OwnStep, driven: DriveSums }
-    computes { gift: DriveGift }
-    modifies { motion: NodeMotion }
-}}
+    Nodes task {
+        requires now { step: OwnStep, driven: DriveSums }
+        computes { gift: DriveGift }
+        modifies { motion: NodeMotion }
+    }
+}
 
 impl Body for DriveNodes {
     #[inline(always)]

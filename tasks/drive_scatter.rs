@@ -5,24 +5,26 @@ use engine::graph::task::{At, Body};
 use grid::Lattice;
 use simd::{LANES, Simd};
 
-/// M_I = Σ_p S_Ip m_p and P_I = Σ_p S_Ip m_p V(x_I) over the driven particles, axis by axis, with V(x_I) the velocity that takes the
-/// node along with their drive: so nodes between two drives know of both.
-/// A particle that turns gives nodes the velocity of its matter there, v_p + L (x_I − x_p): else it would brake and its drive would
-/// push it on again, with a torque that grows as 1/Δt.
-pub struct DriveScatter {
-    /// The drives.
-    pub drives: Drives,
-    /// Faces: what belongs to nodes beyond them goes to their images.
-    pub images: Images,
-    /// Where nodes are.
-    pub lattice: Lattice,
-}
+engine::task! {
+    /// Driven particles tell their nodes how the drive moves them, axis by axis: M_I = Σ_p S_Ip m_p and P_I = Σ_p S_Ip m_p V(x_I), with V(x_I)
+    /// the velocity that takes the node along with their drive. So nodes between two drives know of both.
+    /// A particle that turns gives nodes the velocity of its matter there, v_p + L (x_I − x_p): else it would brake and its drive would
+    /// push it on again, with a torque that grows as 1/Δt.
+    pub struct DriveScatter {
+        /// The drives.
+        pub drives: Drives,
+        /// Faces: what belongs to nodes beyond them goes to their images.
+        pub images: Images,
+        /// Where nodes are.
+        pub lattice: Lattice,
+    }
 
-engine::task! { Particles task DriveScatter {
-    requires old { index: DriveIndex, mass: Mass, position: Position }
-    requires new { step: OwnStep, weights: Weights }
-    computes { driven: DriveSums @ 3, nodes: NodeSums @ 3 }
-}}
+    Particles task {
+        requires old { index: DriveIndex, mass: Mass, position: Position }
+        requires new { step: OwnStep, weights: Weights }
+        computes { driven: DriveSums @ 3, nodes: NodeSums @ 3 }
+    }
+}
 
 impl Body for DriveScatter {
     #[inline(always)]

@@ -3,15 +3,17 @@ use crate::labels::{ContactImpulse, ContactSums, DriveSums, NodeMotion, NodeSums
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// [`Contact`] where drives hold some of what meets: that goes as they say, whatever it receives.
-pub struct DrivenContact(pub Contact);
+engine::task! {
+    /// Contact of pairs of materials, as in `Contact`, where drives hold some of what meets: that goes as they say, whatever it receives.
+    pub struct DrivenContact(pub Contact);
 
-engine::task! { Nodes task DrivenContact {
-    requires new { sums: NodeSums, surfaces: ContactSums }
-    requires now { driven: DriveSums }
-    computes { reactions: Reactions }
-    modifies { motion: NodeMotion, impulse: ContactImpulse }
-}}
+    Nodes task {
+        requires new { sums: NodeSums, surfaces: ContactSums }
+        requires now { driven: DriveSums }
+        computes { reactions: Reactions }
+        modifies { motion: NodeMotion, impulse: ContactImpulse }
+    }
+}
 
 impl Body for DrivenContact {
     #[inline(always)]

@@ -9,24 +9,26 @@ use physics::contact::cross;
 use physics::solid::add;
 use simd::Simd;
 
-/// m_q += m_g, p_q += R p_g, f_q += R f_g, V_q += V_g: what a block's particles gave to nodes g beyond a face goes to their
-/// images q. Nodes on the face keep what they have (half of what they and their image would have together), but do not move where
-/// R turns. What that changes of momentum and force, the face gives; at rest, it does no work.
-pub struct Fold {
-    /// The faces.
-    pub images: Images,
-    /// Their tiles of `Reactions`.
-    pub tiles: [usize; 6],
-    /// Where nodes are.
-    pub lattice: Lattice,
-    /// See `Advance`: the share of the nodes' momentum that particles take over.
-    pub pic: Pic,
-}
+engine::task! {
+    /// Folds what a block's particles gave to nodes g beyond a face onto their images q: m_q += m_g, p_q += R p_g, f_q += R f_g, V_q += V_g.
+    /// Nodes on the face keep what they have (half of what they and their image would have together), but do not move where
+    /// R turns. What that changes of momentum and force, the face gives; at rest, it does no work.
+    pub struct Fold {
+        /// The faces.
+        pub images: Images,
+        /// Their tiles of `Reactions`.
+        pub tiles: [usize; 6],
+        /// Where nodes are.
+        pub lattice: Lattice,
+        /// See `Advance`: the share of the nodes' momentum that particles take over.
+        pub pic: Pic,
+    }
 
-engine::task! { Buffers task Fold {
-    requires new { step: OwnStep }
-    computes { sums: NodeSums @ 3, reactions: Reactions }
-}}
+    Buffers task {
+        requires new { step: OwnStep }
+        computes { sums: NodeSums @ 3, reactions: Reactions }
+    }
+}
 
 impl Body for Fold {
     #[inline(always)]

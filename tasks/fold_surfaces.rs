@@ -5,18 +5,19 @@ use engine::graph::task::{At, Body};
 use grid::Lattice;
 use simd::Simd;
 
-/// What contact knows of surfaces, with that of the images beyond faces: a body that ends at a face goes on there, and has no
-/// surface.
-pub struct FoldSurfaces {
-    /// The faces.
-    pub images: Images,
-    /// Where nodes are.
-    pub lattice: Lattice,
-}
+engine::task! {
+    /// Folds what contact knows of surfaces beyond a face onto the images: a body that ends at a face goes on there, and has no surface.
+    pub struct FoldSurfaces {
+        /// The faces.
+        pub images: Images,
+        /// Where nodes are.
+        pub lattice: Lattice,
+    }
 
-engine::task! { Buffers task FoldSurfaces {
-    computes { sums: ContactSums @ 3 }
-}}
+    Buffers task {
+        computes { sums: ContactSums @ 3 }
+    }
+}
 
 impl Body for FoldSurfaces {
     #[inline(always)]

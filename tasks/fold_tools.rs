@@ -5,17 +5,19 @@ use engine::graph::task::{At, Body};
 use grid::Lattice;
 use simd::Simd;
 
-/// What tools know of surfaces, with that of the images beyond faces: see `FoldSurfaces`.
-pub struct FoldTools {
-    /// The faces.
-    pub images: Images,
-    /// Where nodes are.
-    pub lattice: Lattice,
-}
+engine::task! {
+    /// Folds what tools know of surfaces beyond a face onto the images: see `FoldSurfaces`.
+    pub struct FoldTools {
+        /// The faces.
+        pub images: Images,
+        /// Where nodes are.
+        pub lattice: Lattice,
+    }
 
-engine::task! { Buffers task FoldTools {
-    computes { sums: ToolSums @ 3 }
-}}
+    Buffers task {
+        computes { sums: ToolSums @ 3 }
+    }
+}
 
 impl Body for FoldTools {
     #[inline(always)]

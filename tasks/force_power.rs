@@ -9,21 +9,23 @@ use engine::graph::task::{At, Body};
 use physics::contact::dot;
 use simd::{LANES, Simd};
 
-/// Impulse, torque and work of the forces on particles, with the mean velocity of the nodes around each. They are no internal forces,
-/// among which `Integrate` has counted them.
-pub struct ForcePower {
-    /// The forces.
-    pub forces: Forces,
-    /// The tile of `Reactions` of the first of them.
-    pub first: usize,
-}
+engine::task! {
+    /// Counts impulse, torque and work of the forces on particles, with the mean velocity of the nodes around each. They are no internal forces,
+    /// among which `Integrate` has counted them.
+    pub struct ForcePower {
+        /// The forces.
+        pub forces: Forces,
+        /// The tile of `Reactions` of the first of them.
+        pub first: usize,
+    }
 
-engine::task! { Particles task ForcePower {
-    requires old { index: ForceIndex, area: SurfaceArea, deformation: Deformation, position: Position }
-    requires new { velocity: GridVelocity, change: VelocityChange }
-    requires now { step: OwnStep }
-    computes { reactions: Reactions, work: ForceWork }
-}}
+    Particles task {
+        requires old { index: ForceIndex, area: SurfaceArea, deformation: Deformation, position: Position }
+        requires new { velocity: GridVelocity, change: VelocityChange }
+        requires now { step: OwnStep }
+        computes { reactions: Reactions, work: ForceWork }
+    }
+}
 
 impl Body for ForcePower {
     #[inline(always)]

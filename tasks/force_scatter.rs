@@ -3,17 +3,19 @@ use crate::labels::{Deformation, ForceIndex, NodeSums, OwnStep, SurfaceArea, Wei
 use engine::graph::task::{At, Body};
 use simd::{LANES, Simd};
 
-/// f_I += Σ_p S_Ip F_p over the particles on which forces act.
-pub struct ForceScatter {
-    /// The forces.
-    pub forces: Forces,
-}
+engine::task! {
+    /// Adds the forces on particles to the grid nodes: f_I += Σ_p S_Ip F_p.
+    pub struct ForceScatter {
+        /// The forces.
+        pub forces: Forces,
+    }
 
-engine::task! { Particles task ForceScatter {
-    requires old { index: ForceIndex, area: SurfaceArea, deformation: Deformation }
-    requires new { step: OwnStep, weights: Weights }
-    computes { nodes: NodeSums @ 3 }
-}}
+    Particles task {
+        requires old { index: ForceIndex, area: SurfaceArea, deformation: Deformation }
+        requires new { step: OwnStep, weights: Weights }
+        computes { nodes: NodeSums @ 3 }
+    }
+}
 
 impl Body for ForceScatter {
     #[inline(always)]

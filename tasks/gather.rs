@@ -6,19 +6,22 @@ use shapes::transfer::gather;
 use shapes::{GROUP, NodeRows};
 use simd::{Simd, Wide};
 
-/// Σ_I S_Ip v_I, Σ_I S_Ip Δv_I and L_p = Σ_I v_I ⊗ ∇S_Ip.
-pub struct Gather;
+engine::task! {
+    /// Particles read velocity, its change and its gradient from the grid nodes around them: Σ_I S_Ip v_I, Σ_I S_Ip Δv_I and
+    /// L_p = Σ_I v_I ⊗ ∇S_Ip.
+    pub struct Gather;
 
-engine::task! { Particles task Gather {
-    requires new { weights: Weights }
-    requires now { nodes: NodeMotion @ 3 }
-    computes {
-        velocity: GridVelocity,
-        change: VelocityChange,
-        gradient: VelocityGradient,
+    Particles task {
+        requires new { weights: Weights }
+        requires now { nodes: NodeMotion @ 3 }
+        computes {
+            velocity: GridVelocity,
+            change: VelocityChange,
+            gradient: VelocityGradient,
+        }
+        scratch { rows: GatherRows }
     }
-    scratch { rows: GatherRows }
-}}
+}
 
 impl Body for Gather {
     #[inline(always)]

@@ -3,14 +3,16 @@ use engine::graph::task::{At, Body};
 use grid::NODES;
 use simd::Simd;
 
-/// Σ_I m_I Δv_I · (v⁰_I + v_I)/2: the kinetic energy that the nodes gain in the step. Particles do not gain all of it:
-/// `Advance` takes what they gain away, and what is left is the loss of the transfer.
-pub struct GridPower;
+engine::task! {
+    /// The kinetic energy that the nodes gain in the step, Σ_I m_I Δv_I · (v⁰_I + v_I)/2. Particles do not gain all of it:
+    /// `Advance` takes what they gain away, and what is left is the loss of the transfer.
+    pub struct GridPower;
 
-engine::task! { Nodes task GridPower {
-    requires now { step: OwnStep, motion: NodeMotion }
-    computes { loss: TransferLoss }
-}}
+    Nodes task {
+        requires now { step: OwnStep, motion: NodeMotion }
+        computes { loss: TransferLoss }
+    }
+}
 
 impl Body for GridPower {
     #[inline(always)]

@@ -4,14 +4,16 @@ use engine::graph::task::{At, Body};
 use grid::NODES;
 use simd::Simd;
 
-/// What bonds make one has one velocity at a node at the end of a tick, too, whatever has moved one side of it alone: v_I = Σ m v / Σ m over its
-/// fields. Otherwise particles would keep a difference that the next step takes from nodes, and never from them.
-pub struct HoldBonds(pub Bonds);
+engine::task! {
+    /// Gives what bonds make one a single velocity at a node at the end of a tick, too, whatever has moved one side of it alone:
+    /// v_I = Σ m v / Σ m over its fields. Otherwise particles would keep a difference that the next step takes from nodes, and never from them.
+    pub struct HoldBonds(pub Bonds);
 
-engine::task! { Nodes task HoldBonds {
-    computes { reactions: Reactions }
-    modifies { motion: NodeMotion, impulse: ContactImpulse }
-}}
+    Nodes task {
+        computes { reactions: Reactions }
+        modifies { motion: NodeMotion, impulse: ContactImpulse }
+    }
+}
 
 impl Body for HoldBonds {
     #[inline(always)]

@@ -5,18 +5,20 @@ use engine::graph::task::{At, Body};
 use grid::NODES;
 use simd::Simd;
 
-/// v_I ← v_I + Δt f_I / m_I over the tick: symplectic Euler on the nodes. Where a material waits for a faster one its
-/// velocity is v⁰ + s Δt a + C after s ticks, with C what contact did so far. Where a step begins, Δt Σ f_I · v⁰_I of it is counted.
-pub struct Integrate {
-    /// Mass below which a node carries nothing [kg].
-    pub least_mass: f64,
-}
+engine::task! {
+    /// Accelerates the grid nodes by the internal forces: v_I ← v_I + Δt f_I / m_I over the tick, symplectic Euler. Where a material waits for a
+    /// faster one its velocity is v⁰ + s Δt a + C after s ticks, with C what contact did so far. Where a step begins, Δt Σ f_I · v⁰_I of it is counted.
+    pub struct Integrate {
+        /// Mass below which a node carries nothing [kg].
+        pub least_mass: f64,
+    }
 
-engine::task! { Nodes task Integrate {
-    requires new { step: OwnStep, sums: NodeSums }
-    computes { work: ForceWork }
-    modifies { motion: NodeMotion }
-}}
+    Nodes task {
+        requires new { step: OwnStep, sums: NodeSums }
+        computes { work: ForceWork }
+        modifies { motion: NodeMotion }
+    }
+}
 
 impl Body for Integrate {
     #[inline(always)]

@@ -4,18 +4,20 @@ use engine::graph::task::{At, Body};
 use grid::{Lattice, NODES};
 use simd::Simd;
 
-/// Work of gravity and damping, with the mean velocity of the whole step (see `ContactPower`).
-pub struct LoadPower {
-    /// Its tile of `Reactions`.
-    pub tile: usize,
-    /// Where nodes are.
-    pub lattice: Lattice,
-}
+engine::task! {
+    /// Work of gravity and damping, with the mean velocity of the whole step (see `ContactPower`).
+    pub struct LoadPower {
+        /// Its tile of `Reactions`.
+        pub tile: usize,
+        /// Where nodes are.
+        pub lattice: Lattice,
+    }
 
-engine::task! { Nodes task LoadPower {
-    requires now { step: OwnStep, change: LoadChange, motion: NodeMotion }
-    computes { reactions: Reactions }
-}}
+    Nodes task {
+        requires now { step: OwnStep, change: LoadChange, motion: NodeMotion }
+        computes { reactions: Reactions }
+    }
+}
 
 impl Body for LoadPower {
     #[inline(always)]

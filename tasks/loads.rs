@@ -5,16 +5,24 @@ use grid::NODES;
 use physics::table::Table;
 use simd::Simd;
 
-/// Gravity and damping on the nodes: v_I ← v_I + Δv(s + Δt) − Δv(s), with s the part of a material's step that has passed and
-///
-/// Δv(s) = (e^(−αs) − 1) v⁰ + (ψ(s) − s) f/m + ψ(s) ḡ,  ψ(s) = (1 − e^(−αs))/α,
-///
-/// which solves v̇ = f/m + g − α v exactly over a step, however large α s is.
-pub struct Loads {
-    /// What acts.
-    pub field: LoadField,
-    /// Mass below which a node carries nothing [kg].
-    pub least_mass: f64,
+engine::task! {
+    /// Gravity and damping on the nodes: v_I ← v_I + Δv(s + Δt) − Δv(s), with s the part of a material's step that has passed and
+    ///
+    /// Δv(s) = (e^(−αs) − 1) v⁰ + (ψ(s) − s) f/m + ψ(s) ḡ, ψ(s) = (1 − e^(−αs))/α,
+    ///
+    /// which solves v̇ = f/m + g − α v exactly over a step, however large α s is.
+    pub struct Loads {
+        /// What acts.
+        pub field: LoadField,
+        /// Mass below which a node carries nothing [kg].
+        pub least_mass: f64,
+    }
+
+    Nodes task {
+        requires new { time: Time, step: OwnStep, sums: NodeSums }
+        computes { change: LoadChange }
+        modifies { motion: NodeMotion }
+    }
 }
 
 /// Accelerations that act everywhere.
@@ -45,12 +53,6 @@ impl LoadField {
         std::array::from_fn(|a| faded * start[a] + (worth - s) * f[a] / sum.mass() + worth * g[a])
     }
 }
-
-engine::task! { Nodes task Loads {
-    requires new { time: Time, step: OwnStep, sums: NodeSums }
-    computes { change: LoadChange }
-    modifies { motion: NodeMotion }
-}}
 
 impl Body for Loads {
     #[inline(always)]

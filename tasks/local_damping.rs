@@ -4,22 +4,24 @@ use engine::graph::task::{At, Body};
 use grid::{Lattice, NODES};
 use simd::Simd;
 
-/// Δv_I ← Δv_I − ξ |Δv_I| sign v⁰_I, axis by axis, at the end of a material's step: brakes what is out of balance, after all that acts on
-/// a node has acted (P. A. Cundall, in *Analytical and Computational Methods in Engineering Rock Mechanics*, 1987).
-pub struct LocalDamping {
-    /// ξ
-    pub share: f64,
-    /// The tile of `Reactions` of loads.
-    pub tile: usize,
-    /// Where nodes are.
-    pub lattice: Lattice,
-}
+engine::task! {
+    /// Brakes the grid nodes that are out of balance, axis by axis, at the end of a material's step: Δv_I ← Δv_I − ξ |Δv_I| sign v⁰_I, after all
+    /// that acts on a node has acted (P. A. Cundall, in *Analytical and Computational Methods in Engineering Rock Mechanics*, 1987).
+    pub struct LocalDamping {
+        /// ξ
+        pub share: f64,
+        /// The tile of `Reactions` of loads.
+        pub tile: usize,
+        /// Where nodes are.
+        pub lattice: Lattice,
+    }
 
-engine::task! { Nodes task LocalDamping {
-    requires now { step: OwnStep }
-    computes { reactions: Reactions }
-    modifies { motion: NodeMotion }
-}}
+    Nodes task {
+        requires now { step: OwnStep }
+        computes { reactions: Reactions }
+        modifies { motion: NodeMotion }
+    }
+}
 
 impl Body for LocalDamping {
     #[inline(always)]

@@ -2,13 +2,16 @@ use crate::labels::{Mass, MassFlow as MassFlowLabel, Velocity};
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// m_I = Σ_p S_Ip m_p ;  (mv)_I = Σ_p S_Ip m_p v_p : the factors of S_Ip.
-pub struct MassFlow;
+engine::task! {
+    /// What particles give to grid nodes by their weights: mass and momentum, m_I = Σ_p S_Ip m_p and (mv)_I = Σ_p S_Ip m_p v_p. These are the
+    /// factors of S_Ip.
+    pub struct MassFlow;
 
-engine::task! { Particles task MassFlow {
-    requires old { mass: Mass, velocity: Velocity }
-    computes { flow: MassFlowLabel }
-}}
+    Particles task {
+        requires old { mass: Mass, velocity: Velocity }
+        computes { flow: MassFlowLabel }
+    }
+}
 
 impl Body for MassFlow {
     #[inline(always)]

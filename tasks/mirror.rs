@@ -4,15 +4,17 @@ use crate::node::Motion;
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// v_g = R v_q, Δv_g = R Δv_q: nodes beyond a face move as their images do.
-pub struct Mirror {
-    /// The faces.
-    pub images: Images,
-}
+engine::task! {
+    /// Nodes beyond a face move as their images do: v_g = R v_q, Δv_g = R Δv_q.
+    pub struct Mirror {
+        /// The faces.
+        pub images: Images,
+    }
 
-engine::task! { Buffers task Mirror {
-    adapts { motion: NodeMotion @ 3 }
-}}
+    Buffers task {
+        adapts { motion: NodeMotion @ 3 }
+    }
+}
 
 impl Body for Mirror {
     #[inline(always)]

@@ -5,17 +5,20 @@ use engine::graph::task::{At, Body};
 use grid::NODES;
 use simd::Simd;
 
-/// v_I = (mv)_I / m_I, no change yet, where a step begins; m_I goes along for those who have no sums. Nodes below `least_mass` rest. Where a material waited, and
-/// nobody asked for its nodes, they are brought to the beginning of the tick: v_I + Δt f_I / m_I over the ticks missed.
-pub struct NodalVelocity {
-    /// Mass below which a node carries nothing [kg].
-    pub least_mass: f64,
-}
+engine::task! {
+    /// The velocity of each grid node, v_I = (mv)_I / m_I, no change yet, where a step begins; m_I goes along for those who have no sums. Nodes
+    /// below `least_mass` rest. Where a material waited, and nobody asked for its nodes, they are brought to the beginning of the tick:
+    /// v_I + Δt f_I / m_I over the ticks missed.
+    pub struct NodalVelocity {
+        /// Mass below which a node carries nothing [kg].
+        pub least_mass: f64,
+    }
 
-engine::task! { Nodes task NodalVelocity {
-    requires new { step: OwnStep, sums: NodeSums }
-    modifies { motion: NodeMotion }
-}}
+    Nodes task {
+        requires new { step: OwnStep, sums: NodeSums }
+        modifies { motion: NodeMotion }
+    }
+}
 
 impl Body for NodalVelocity {
     #[inline(always)]

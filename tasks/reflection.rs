@@ -2,12 +2,14 @@ use crate::labels::Reactions;
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// Opens the account of what faces give to particles that are put back into the domain at the end of a tick.
-pub struct Reflection;
+engine::task! {
+    /// Opens the account of what faces give to particles that are put back into the domain at the end of a tick.
+    pub struct Reflection;
 
-engine::task! { Once task Reflection {
-    computes { reactions: Reactions }
-}}
+    Once task {
+        computes { reactions: Reactions }
+    }
+}
 
 impl Body for Reflection {
     #[inline(always)]

@@ -2,13 +2,15 @@ use crate::labels::{Mass, VelocityGradient};
 use engine::graph::task::{At, Body};
 use simd::{Simd, Wide};
 
-/// L_p = 0: before the first step, to evaluate laws in the state that the scene gave.
-pub struct Rest;
+engine::task! {
+    /// No velocity gradient, L_p = 0: before the first step, to evaluate laws in the state that the scene gave.
+    pub struct Rest;
 
-engine::task! { Particles task Rest {
-    requires old { mass: Mass }
-    computes { gradient: VelocityGradient }
-}}
+    Particles task {
+        requires old { mass: Mass }
+        computes { gradient: VelocityGradient }
+    }
+}
 
 impl Body for Rest {
     #[inline(always)]

@@ -6,14 +6,16 @@ use shapes::transfer::scatter;
 use shapes::{GROUP, NodeRows, Stencil};
 use simd::{Simd, Wide, load};
 
-/// Adds the mass, momentum, force and volume flows to the nodes.
-pub struct Scatter;
+engine::task! {
+    /// Particles add their mass, momentum, internal force and volume to the grid nodes around them.
+    pub struct Scatter;
 
-engine::task! { Particles task Scatter {
-    requires new { weights: Weights, mass: MassFlow, stress: StressFlow }
-    computes { nodes: NodeSums @ 3 }
-    scratch { rows: ScatterRows }
-}}
+    Particles task {
+        requires new { weights: Weights, mass: MassFlow, stress: StressFlow }
+        computes { nodes: NodeSums @ 3 }
+        scratch { rows: ScatterRows }
+    }
+}
 
 impl Body for Scatter {
     #[inline(always)]

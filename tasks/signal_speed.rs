@@ -5,15 +5,17 @@ use crate::labels::{
 use engine::graph::task::{At, Body};
 use simd::{Simd, load, store};
 
-/// max_p of c + |v|, of c and of |v|, with ρ₀ c² from the law's bound: what limits the next step.
-pub struct SignalSpeed;
+engine::task! {
+    /// The largest speeds in a material, which limit the next step: max_p of c + |v|, of c and of |v|, with ρ₀ c² from the law's bound.
+    pub struct SignalSpeed;
 
-engine::task! { Particles task SignalSpeed {
-    requires old { mass: Mass, initial_volume: InitialVolume, identity: Identity }
-    requires new { stiffness: StiffnessBound }
-    requires now { velocity: Velocity, position: Position }
-    computes { speed: SignalSpeedLabel, fault: Fault }
-}}
+    Particles task {
+        requires old { mass: Mass, initial_volume: InitialVolume, identity: Identity }
+        requires new { stiffness: StiffnessBound }
+        requires now { velocity: Velocity, position: Position }
+        computes { speed: SignalSpeedLabel, fault: Fault }
+    }
+}
 
 impl Body for SignalSpeed {
     #[inline(always)]

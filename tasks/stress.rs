@@ -8,26 +8,28 @@ use physics::law::{Events, Kinematics, Law, MAX_HISTORY, fits};
 use physics::tensor::{backward_work, determinant, increment, multiply};
 use simd::{Simd, load, store};
 
-/// F ← (1 + Δt L) F, then τ(F, history) of one law, V = J V⁰, and the bound of ρ₀ c². For the account of energy (see `StressWork`),
-/// −V⁰ τ : (1 − (1 + Δt L)⁻¹).
-///
-/// The law is a type, chosen where the recipe is built. It may freeze a particle that carries no stress any
-/// more: that particle keeps its F.
-pub struct Stress<L>(pub L);
+engine::task! {
+    /// Deforms the particles, F ← (1 + Δt L) F, and asks the material's law for their stress τ(F, history), with V = J V⁰ and the bound of
+    /// ρ₀ c². For the account of energy (see `StressWork`), −V⁰ τ : (1 − (1 + Δt L)⁻¹).
+    ///
+    /// The law is a type, chosen where the recipe is built. It may freeze a particle that carries no stress any
+    /// more: that particle keeps its F.
+    pub struct Stress<L: Law>(pub L);
 
-engine::task! { Particles task Stress [L: Law] {
-    requires old { position: Position, initial_volume: InitialVolume, identity: Identity }
-    requires new { gradient: VelocityGradient }
-    requires now { step: OwnStep }
-    computes {
-        stress: KirchhoffStress,
-        stiffness: StiffnessBound,
-        fault: Fault,
-        first: FirstEvent,
-        work: StressWork,
+    Particles task {
+        requires old { position: Position, initial_volume: InitialVolume, identity: Identity }
+        requires new { gradient: VelocityGradient }
+        requires now { step: OwnStep }
+        computes {
+            stress: KirchhoffStress,
+            stiffness: StiffnessBound,
+            fault: Fault,
+            first: FirstEvent,
+            work: StressWork,
+        }
+        modifies { deformation: Deformation, history: History, volume: Volume }
     }
-    modifies { deformation: Deformation, history: History, volume: Volume }
-}}
+}
 
 impl<L: Law> Body for Stress<L> {
     #[inline(always)]

@@ -2,13 +2,16 @@ use crate::labels::{InitialVolume, KirchhoffStress, StressFlow as StressFlowLabe
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// f_I = − Σ_p V⁰_p τ_p ∇S_Ip ;  V_I = Σ_p S_Ip V_p : the factors of ∇S_Ip and S_Ip.
-pub struct StressFlow;
+engine::task! {
+    /// What particles give to grid nodes by their stress and volume: internal forces f_I = − Σ_p V⁰_p τ_p ∇S_Ip, and volumes
+    /// V_I = Σ_p S_Ip V_p. These are the factors of ∇S_Ip and S_Ip.
+    pub struct StressFlow;
 
-engine::task! { Particles task StressFlow {
-    requires old { stress: KirchhoffStress, initial_volume: InitialVolume, volume: Volume }
-    computes { flow: StressFlowLabel }
-}}
+    Particles task {
+        requires old { stress: KirchhoffStress, initial_volume: InitialVolume, volume: Volume }
+        computes { flow: StressFlowLabel }
+    }
+}
 
 impl Body for StressFlow {
     #[inline(always)]

@@ -5,33 +5,40 @@ use physics::motion::Motion;
 use physics::table::Table;
 use simd::{Simd, Wide};
 
-/// The tick, and the steps of the materials, each a whole number of ticks.
-///
-/// Alone, a material could take Δt = CFL h / max (c + |v|). A tick is the smallest of these; a step ends when all are
-/// together again, at the latest after `most` ticks. With `most` = 1 all materials take the common step. A slow material
-/// also heeds those that touch it, Δt ≤ CFL h / (c + |v| of the other), so that nothing crosses a cell of it unseen.
-///
-/// All heed what will move within the step: tools, walls and drives by their largest speed until its end, and turns of at most a
-/// tenth of a radian; gravity and forces on rigid bodies, with v + |g| Δt for v.
-pub struct TimestepSize {
-    /// CFL number.
-    pub cfl: f64,
-    /// Edge of a cell [m].
-    pub cell: f64,
-    /// Most ticks in a step.
-    pub most: f64,
-    /// For each material, those that it touches.
-    pub touches: Vec<Vec<usize>>,
-    /// What moves as prescribed, whatever matter does.
-    pub movers: Vec<Mover>,
-    /// g [m/s²] in time.
-    pub gravity: Table,
-    /// The materials on which it acts.
-    pub falls: Vec<bool>,
-    /// What else accelerates each material [m/s²] in time.
-    pub pushes: Vec<Table>,
-    /// Which materials are rigid: they take every tick.
-    pub rigid: Vec<bool>,
+engine::task! {
+    /// Decides the tick, and the steps of the materials, each a whole number of ticks.
+    ///
+    /// Alone, a material could take Δt = CFL h / max (c + |v|). A tick is the smallest of these; a step ends when all are
+    /// together again, at the latest after `most` ticks. With `most` = 1 all materials take the common step. A slow material
+    /// also heeds those that touch it, Δt ≤ CFL h / (c + |v| of the other), so that nothing crosses a cell of it unseen.
+    ///
+    /// All heed what will move within the step: tools, walls and drives by their largest speed until its end, and turns of at most a
+    /// tenth of a radian; gravity and forces on rigid bodies, with v + |g| Δt for v.
+    pub struct TimestepSize {
+        /// CFL number.
+        pub cfl: f64,
+        /// Edge of a cell [m].
+        pub cell: f64,
+        /// Most ticks in a step.
+        pub most: f64,
+        /// For each material, those that it touches.
+        pub touches: Vec<Vec<usize>>,
+        /// What moves as prescribed, whatever matter does.
+        pub movers: Vec<Mover>,
+        /// g [m/s²] in time.
+        pub gravity: Table,
+        /// The materials on which it acts.
+        pub falls: Vec<bool>,
+        /// What else accelerates each material [m/s²] in time.
+        pub pushes: Vec<Table>,
+        /// Which materials are rigid: they take every tick.
+        pub rigid: Vec<bool>,
+    }
+
+    Once task {
+        requires old { speed: SignalSpeed }
+        modifies { time: Time, step: OwnStep }
+    }
 }
 
 /// Something whose motion is known beforehand.
@@ -49,11 +56,6 @@ pub struct Mover {
 const TURN: f64 = 0.1;
 /// Halvings in the search for a step before something moves suddenly.
 const SEARCH: usize = 40;
-
-engine::task! { Once task TimestepSize {
-    requires old { speed: SignalSpeed }
-    modifies { time: Time, step: OwnStep }
-}}
 
 impl Body for TimestepSize {
     #[inline(always)]

@@ -5,14 +5,16 @@ use bytemuck::cast_slice_mut;
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// Adds the contact flows to the nodes near tools.
-pub struct ToolScatter;
+engine::task! {
+    /// Particles near tools add to the grid nodes what contact needs to know of their surface.
+    pub struct ToolScatter;
 
-engine::task! { NearParticles task ToolScatter {
-    requires new { weights: Weights, flow: ContactFlow }
-    computes { nodes: ToolSums @ 3 }
-    scratch { rows: ScatterRows }
-}}
+    NearParticles task {
+        requires new { weights: Weights, flow: ContactFlow }
+        computes { nodes: ToolSums @ 3 }
+        scratch { rows: ScatterRows }
+    }
+}
 
 impl Body for ToolScatter {
     #[inline(always)]

@@ -13,24 +13,26 @@ use physics::contact::surface::SurfaceTable;
 use physics::contact::{ContactLaw, Exchange, dot};
 use simd::Simd;
 
-/// Contact with tools that move as prescribed, and with moving faces: the law takes u = v_I − V(x_I) wherever matter touches them.
-pub struct Tools {
-    /// The tools, in the order of the scene.
-    pub tools: Vec<Tool>,
-    /// Where nodes are.
-    pub lattice: Lattice,
-    /// Mass below which a node carries nothing [kg].
-    pub least_mass: f64,
-    /// Where surfaces lie, for each material.
-    pub surfaces: Vec<SurfaceTable>,
-}
+engine::task! {
+    /// Contact with tools that move as prescribed, and with moving faces: the law takes u = v_I − V(x_I) wherever matter touches them.
+    pub struct Tools {
+        /// The tools, in the order of the scene.
+        pub tools: Vec<Tool>,
+        /// Where nodes are.
+        pub lattice: Lattice,
+        /// Mass below which a node carries nothing [kg].
+        pub least_mass: f64,
+        /// Where surfaces lie, for each material.
+        pub surfaces: Vec<SurfaceTable>,
+    }
 
-engine::task! { Nodes task Tools {
-    requires new { time: Time, sums: NodeSums }
-    requires now { bodies: RigidMotion, surfaces: ToolSums }
-    computes { reactions: Reactions, work: ContactWork }
-    modifies { motion: NodeMotion }
-}}
+    Nodes task {
+        requires new { time: Time, sums: NodeSums }
+        requires now { bodies: RigidMotion, surfaces: ToolSums }
+        computes { reactions: Reactions, work: ContactWork }
+        modifies { motion: NodeMotion }
+    }
+}
 
 impl Body for Tools {
     #[inline(always)]
@@ -131,19 +133,23 @@ impl Tools {
     }
 }
 
-/// Contact with tools where bonds make one of several materials.
-pub struct BondedTools(pub Tools);
+pub use bonded::BondedTools;
 
 mod bonded {
     use super::*;
     use crate::labels::ContactImpulse;
 
-    engine::task! { Nodes task BondedTools {
-        requires new { time: Time, sums: NodeSums }
-        requires now { bodies: RigidMotion, surfaces: ToolSums, one: ContactImpulse }
-        computes { reactions: Reactions, work: ContactWork }
-        modifies { motion: NodeMotion }
-    }}
+    engine::task! {
+        /// As `Tools`, where bonds make one of several materials.
+        pub struct BondedTools(pub Tools);
+
+        Nodes task {
+            requires new { time: Time, sums: NodeSums }
+            requires now { bodies: RigidMotion, surfaces: ToolSums, one: ContactImpulse }
+            computes { reactions: Reactions, work: ContactWork }
+            modifies { motion: NodeMotion }
+        }
+    }
 
     impl Body for BondedTools {
         #[inline(always)]

@@ -7,22 +7,24 @@ use physics::tensor::{backward_work, increment};
 use physics::viscosity::Viscosity as Law;
 use simd::{Simd, load};
 
-/// τ ← τ − J q 1 in compression; the step heeds that it stiffens. The work goes to heat and is counted, by the trapezoidal rule as that of all
-/// stresses: ½ (J q)_n tr Δt L + ½ (J q)_{n+1} tr (1 − (1 + Δt L)⁻¹).
-pub struct Viscosity {
-    /// The law.
-    pub law: Law,
-    /// Edge of a cell [m].
-    pub cell: f64,
-}
+engine::task! {
+    /// Adds the pressure of the artificial viscosity where matter is compressed, τ ← τ − J q 1; the step heeds that it stiffens. The work goes to
+    /// heat and is counted, by the trapezoidal rule as that of all stresses: ½ (J q)_n tr Δt L + ½ (J q)_{n+1} tr (1 − (1 + Δt L)⁻¹).
+    pub struct Viscosity {
+        /// The law.
+        pub law: Law,
+        /// Edge of a cell [m].
+        pub cell: f64,
+    }
 
-engine::task! { Particles task Viscosity {
-    requires old { mass: Mass, initial_volume: InitialVolume }
-    requires new { gradient: VelocityGradient, volume: Volume }
-    requires now { step: OwnStep }
-    computes { spent: StressWork }
-    modifies { stress: KirchhoffStress, work: ViscousWork, pressure: ViscousPressure, stiffness: StiffnessBound }
-}}
+    Particles task {
+        requires old { mass: Mass, initial_volume: InitialVolume }
+        requires new { gradient: VelocityGradient, volume: Volume }
+        requires now { step: OwnStep }
+        computes { spent: StressWork }
+        modifies { stress: KirchhoffStress, work: ViscousWork, pressure: ViscousPressure, stiffness: StiffnessBound }
+    }
+}
 
 impl Body for Viscosity {
     #[inline(always)]

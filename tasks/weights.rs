@@ -3,18 +3,20 @@ use engine::graph::task::{At, Body};
 use shapes::ShapeFunction;
 use simd::Simd;
 
-/// S_Ip and ∇S_Ip at the particles' present positions.
-pub struct Weights<F> {
-    /// The shape function.
-    pub shape: F,
-    /// 1/h [1/m]
-    pub inverse_cell: f64,
-}
+engine::task! {
+    /// The weights of the grid nodes around each particle: S_Ip and ∇S_Ip at its present position.
+    pub struct Weights<F: ShapeFunction> {
+        /// The shape function.
+        pub shape: F,
+        /// 1/h [1/m]
+        pub inverse_cell: f64,
+    }
 
-engine::task! { Particles task Weights [F: ShapeFunction] {
-    requires old { position: Position }
-    computes { weights: WeightsLabel }
-}}
+    Particles task {
+        requires old { position: Position }
+        computes { weights: WeightsLabel }
+    }
+}
 
 impl<F: ShapeFunction> Body for Weights<F> {
     #[inline(always)]

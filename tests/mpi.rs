@@ -47,6 +47,7 @@ fn result(summary: Summary) -> Summary {
         threads: 0,
         patches: [0; 3],
         wall_s: 0.0,
+        timing: Vec::new(),
         updates_per_s: 0.0,
         updates_per_s_per_core: 0.0,
         ..summary

@@ -6,14 +6,16 @@ use physics::quantities::COLLAPSED;
 use physics::tensor::{determinant, increment};
 use simd::{Simd, load};
 
-/// Strain, plastic and fracture energy of one material, its particles in each state that its law counts and those that have
-/// collapsed, and the largest of what its law keeps.
-pub struct ReportLaw<L>(pub L);
+engine::task! {
+    /// Adds up strain, plastic and fracture energy of one material, its particles in each state that its law counts and those that have
+    /// collapsed, and the largest of what its law keeps.
+    pub struct ReportLaw<L: Law>(pub L);
 
-engine::task! { Particles task ReportLaw [L: Law] {
-    requires old { initial_volume: InitialVolume, deformation: Deformation, history: History }
-    computes { energy: MaterialEnergy, counts: StateCount, largest: LargestHistory }
-}}
+    Particles task {
+        requires old { initial_volume: InitialVolume, deformation: Deformation, history: History }
+        computes { energy: MaterialEnergy, counts: StateCount, largest: LargestHistory }
+    }
+}
 
 impl<L: Law> Body for ReportLaw<L> {
     #[inline(always)]

@@ -3,13 +3,15 @@ use crate::labels::{Mass, MaterialEnergy, MaterialExtent, MaterialMotion, Positi
 use engine::graph::task::{At, Body};
 use simd::{Simd, load, store};
 
-/// Kinetic energy, mass, momentum, center of mass, angular momentum and extent of one material.
-pub struct ReportMotion;
+engine::task! {
+    /// Adds up kinetic energy, mass, momentum, center of mass, angular momentum and extent of one material.
+    pub struct ReportMotion;
 
-engine::task! { Particles task ReportMotion {
-    requires old { mass: Mass, position: Position, velocity: Velocity }
-    computes { energy: MaterialEnergy, motion: MaterialMotion, extent: MaterialExtent }
-}}
+    Particles task {
+        requires old { mass: Mass, position: Position, velocity: Velocity }
+        computes { energy: MaterialEnergy, motion: MaterialMotion, extent: MaterialExtent }
+    }
+}
 
 impl Body for ReportMotion {
     #[inline(always)]

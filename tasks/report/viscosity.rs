@@ -3,13 +3,15 @@ use crate::labels::{InitialVolume, MaterialEnergy, ViscousWork};
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// What the artificial viscosity has turned into heat so far.
-pub struct ReportViscosity;
+engine::task! {
+    /// What the artificial viscosity has turned into heat so far.
+    pub struct ReportViscosity;
 
-engine::task! { Particles task ReportViscosity {
-    requires old { initial_volume: InitialVolume, work: ViscousWork }
-    computes { energy: MaterialEnergy }
-}}
+    Particles task {
+        requires old { initial_volume: InitialVolume, work: ViscousWork }
+        computes { energy: MaterialEnergy }
+    }
+}
 
 impl Body for ReportViscosity {
     #[inline(always)]

@@ -6,12 +6,19 @@ use engine::graph::task::{At, Body};
 use physics::solid::Solid;
 use simd::{Simd, Wide};
 
-/// Rigid bodies do not push one another, which is not modelled: a free one that gets into another one, a tool or a face ends the run.
-pub struct RigidApart {
-    /// The free bodies.
-    pub bodies: Vec<Free>,
-    /// All that is rigid.
-    pub obstacles: Vec<Tool>,
+engine::task! {
+    /// Rigid bodies do not push one another, which is not modelled: a free one that gets into another one, a tool or a face ends the run.
+    pub struct RigidApart {
+        /// The free bodies.
+        pub bodies: Vec<Free>,
+        /// All that is rigid.
+        pub obstacles: Vec<Tool>,
+    }
+
+    Once task {
+        requires now { time: Time, bodies: RigidMotion }
+        computes { fault: Fault }
+    }
 }
 
 /// A free rigid body.
@@ -24,11 +31,6 @@ pub struct Free {
     /// The ball around them: a center [m] and a radius [m].
     pub ball: ([f64; 3], f64),
 }
-
-engine::task! { Once task RigidApart {
-    requires now { time: Time, bodies: RigidMotion }
-    computes { fault: Fault }
-}}
 
 impl Body for RigidApart {
     #[inline(always)]

@@ -4,13 +4,15 @@ use crate::rigid::rotation::turn_by;
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// Prescribed rigid bodies go where they should: X_c ← X_c + Δt V, R ← e^(ω Δt) R.
-pub struct RigidCarry;
+engine::task! {
+    /// Prescribed rigid bodies go where they should: X_c ← X_c + Δt V, R ← e^(ω Δt) R.
+    pub struct RigidCarry;
 
-engine::task! { Once task RigidCarry {
-    requires now { time: Time }
-    modifies { bodies: RigidMotionLabel }
-}}
+    Once task {
+        requires now { time: Time }
+        modifies { bodies: RigidMotionLabel }
+    }
+}
 
 impl Body for RigidCarry {
     #[inline(always)]

@@ -3,18 +3,20 @@ use engine::data::extent::Bases;
 use engine::graph::task::{At, Body};
 use simd::{LANES, Simd};
 
-/// x_p = X_c + R X_p ;  v_p = V + ω × (x_p − X_c).
-pub struct Follow {
-    /// Where particles are, for the extent of their block.
-    pub bases: Bases,
-}
+engine::task! {
+    /// Particles of a rigid body go with it: x_p = X_c + R X_p, v_p = V + ω × (x_p − X_c).
+    pub struct Follow {
+        /// Where particles are, for the extent of their block.
+        pub bases: Bases,
+    }
 
-engine::task! { Particles task Follow {
-    requires old { reference: ReferencePosition }
-    requires now { bodies: RigidMotion }
-    computes { extent: BlockExtent, speed: SignalSpeed }
-    modifies { position: Position, velocity: Velocity }
-}}
+    Particles task {
+        requires old { reference: ReferencePosition }
+        requires now { bodies: RigidMotion }
+        computes { extent: BlockExtent, speed: SignalSpeed }
+        modifies { position: Position, velocity: Velocity }
+    }
+}
 
 impl Body for Follow {
     #[inline(always)]

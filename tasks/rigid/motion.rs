@@ -7,21 +7,23 @@ use engine::graph::task::{At, Body};
 use nalgebra::Vector3;
 use simd::Simd;
 
-/// Newton and Euler for free rigid bodies: loads and what contact gives change V and ω, and all moves on.
-pub struct RigidMotion {
-    /// The axes along which each material does not move, and about which it does not turn.
-    pub locked: Vec<[bool; 6]>,
-    /// The tile of `Reactions` of gravity and damping.
-    pub loads: Option<usize>,
-    /// Those of what pushes and locks bodies, by material.
-    pub locks: Vec<Option<usize>>,
-}
+engine::task! {
+    /// Newton and Euler for free rigid bodies: loads and what contact gives change V and ω, and all moves on.
+    pub struct RigidMotion {
+        /// The axes along which each material does not move, and about which it does not turn.
+        pub locked: Vec<[bool; 6]>,
+        /// The tile of `Reactions` of gravity and damping.
+        pub loads: Option<usize>,
+        /// Those of what pushes and locks bodies, by material.
+        pub locks: Vec<Option<usize>>,
+    }
 
-engine::task! { Once task RigidMotion {
-    requires now { time: Time, step: OwnStep, trial: RigidTrial, impulse: RigidImpulse }
-    computes { reactions: Reactions }
-    modifies { bodies: RigidMotionLabel }
-}}
+    Once task {
+        requires now { time: Time, step: OwnStep, trial: RigidTrial, impulse: RigidImpulse }
+        computes { reactions: Reactions }
+        modifies { bodies: RigidMotionLabel }
+    }
+}
 
 impl Body for RigidMotion {
     #[inline(always)]

@@ -5,16 +5,18 @@ use physics::motion::Course;
 use physics::table::Table;
 use simd::Simd;
 
-/// V and ω of prescribed rigid bodies for the tick that begins: means over it, so that they go exactly where they should.
-pub struct RigidPlan {
-    /// For each material: how it moves and turns, if it is a prescribed rigid body.
-    pub prescribed: Vec<Option<(Course, Table)>>,
-}
+engine::task! {
+    /// Plans V and ω of prescribed rigid bodies for the tick that begins: means over it, so that they go exactly where they should.
+    pub struct RigidPlan {
+        /// For each material: how it moves and turns, if it is a prescribed rigid body.
+        pub prescribed: Vec<Option<(Course, Table)>>,
+    }
 
-engine::task! { Once task RigidPlan {
-    requires new { time: Time }
-    modifies { bodies: RigidMotionLabel }
-}}
+    Once task {
+        requires new { time: Time }
+        modifies { bodies: RigidMotionLabel }
+    }
+}
 
 impl Body for RigidPlan {
     #[inline(always)]

@@ -5,21 +5,24 @@ use engine::graph::task::{At, Body};
 use physics::table::Table;
 use simd::Simd;
 
-/// The motion of free rigid bodies at the end of a tick, if nothing touches them: U* with V* = e^(−αΔt) V + ψ (g + F/M), ω* from e^(−αΔt) L.
-pub struct RigidPredict {
-    /// Gravity and damping.
-    pub field: LoadField,
-    /// For each material: the axes along which it does not move, and about which it does not turn.
-    pub locked: Vec<[bool; 6]>,
-    /// And the force on it in time [N].
-    pub forces: Vec<Table>,
-}
+engine::task! {
+    /// Predicts the motion of free rigid bodies at the end of a tick, if nothing touches them: U* with V* = e^(−αΔt) V + ψ (g + F/M), ω* from
+    /// e^(−αΔt) L.
+    pub struct RigidPredict {
+        /// Gravity and damping.
+        pub field: LoadField,
+        /// For each material: the axes along which it does not move, and about which it does not turn.
+        pub locked: Vec<[bool; 6]>,
+        /// And the force on it in time [N].
+        pub forces: Vec<Table>,
+    }
 
-engine::task! { Once task RigidPredict {
-    requires new { time: Time }
-    requires now { bodies: RigidMotion }
-    computes { trial: RigidTrial }
-}}
+    Once task {
+        requires new { time: Time }
+        requires now { bodies: RigidMotion }
+        computes { trial: RigidTrial }
+    }
+}
 
 impl Body for RigidPredict {
     #[inline(always)]

@@ -11,14 +11,16 @@ use engine::graph::task::{At, Body};
 use physics::contact::{cross, dot};
 use simd::Simd;
 
-/// Contact of free rigid bodies, whose motion is found: the matter receives P_s, and they receive −Σ J_sᵀ P_s, to the last bit.
-pub struct RigidPush(pub Bodies);
+engine::task! {
+    /// Contact of free rigid bodies, whose motion is found: the matter receives P_s, and they receive −Σ J_sᵀ P_s, to the last bit.
+    pub struct RigidPush(pub Bodies);
 
-engine::task! { Nodes task RigidPush {
-    requires now { step: OwnStep, site: RigidSite, bodies: RigidMotion, trial: RigidTrial }
-    computes { on_bodies: RigidImpulse, reactions: Reactions, work: ContactWork }
-    modifies { motion: NodeMotion }
-}}
+    Nodes task {
+        requires now { step: OwnStep, site: RigidSite, bodies: RigidMotion, trial: RigidTrial }
+        computes { on_bodies: RigidImpulse, reactions: Reactions, work: ContactWork }
+        modifies { motion: NodeMotion }
+    }
+}
 
 impl Body for RigidPush {
     #[inline(always)]
@@ -29,18 +31,22 @@ impl Body for RigidPush {
     }
 }
 
-/// The same where bonds make one of several materials: what is one moves together.
-pub struct BondedPush(pub Bodies);
+pub use bonded::BondedPush;
 
 mod bonded {
     use super::*;
     use crate::labels::ContactImpulse;
 
-    engine::task! { Nodes task BondedPush {
-        requires now { step: OwnStep, site: RigidSite, bodies: RigidMotion, trial: RigidTrial, one: ContactImpulse }
-        computes { on_bodies: RigidImpulse, reactions: Reactions, work: ContactWork }
-        modifies { motion: NodeMotion }
-    }}
+    engine::task! {
+        /// As `RigidPush`, where bonds make one of several materials: what is one moves together.
+        pub struct BondedPush(pub Bodies);
+
+        Nodes task {
+            requires now { step: OwnStep, site: RigidSite, bodies: RigidMotion, trial: RigidTrial, one: ContactImpulse }
+            computes { on_bodies: RigidImpulse, reactions: Reactions, work: ContactWork }
+            modifies { motion: NodeMotion }
+        }
+    }
 
     impl Body for BondedPush {
         #[inline(always)]

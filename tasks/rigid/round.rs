@@ -8,13 +8,15 @@ use engine::graph::task::{At, Body};
 use physics::contact::ContactLaw;
 use simd::Simd;
 
-/// What free rigid bodies would give to the matter if they moved as sought: Σ J_sᵀ P_s(U), and its derivative.
-pub struct RigidRound(pub Bodies);
+engine::task! {
+    /// What free rigid bodies would give to the matter if they moved as sought: Σ J_sᵀ P_s(U), and its derivative.
+    pub struct RigidRound(pub Bodies);
 
-engine::task! { Nodes task RigidRound {
-    requires now { step: OwnStep, site: RigidSite, motion: NodeMotion, bodies: RigidMotion, trial: RigidTrial }
-    computes { balance: RigidBalance }
-}}
+    Nodes task {
+        requires now { step: OwnStep, site: RigidSite, motion: NodeMotion, bodies: RigidMotion, trial: RigidTrial }
+        computes { balance: RigidBalance }
+    }
+}
 
 impl Body for RigidRound {
     #[inline(always)]
@@ -24,19 +26,23 @@ impl Body for RigidRound {
     }
 }
 
-/// A round where bonds make one of several materials.
-pub struct BondedRound(pub Bodies);
+pub use bonded::BondedRound;
 
 mod bonded {
     use super::*;
     use crate::labels::ContactImpulse;
 
-    engine::task! { Nodes task BondedRound {
-        requires now {
-            step: OwnStep, site: RigidSite, motion: NodeMotion, bodies: RigidMotion, trial: RigidTrial, one: ContactImpulse,
+    engine::task! {
+        /// As `RigidRound`, where bonds make one of several materials.
+        pub struct BondedRound(pub Bodies);
+
+        Nodes task {
+            requires now {
+                step: OwnStep, site: RigidSite, motion: NodeMotion, bodies: RigidMotion, trial: RigidTrial, one: ContactImpulse,
+            }
+            computes { balance: RigidBalance }
         }
-        computes { balance: RigidBalance }
-    }}
+    }
 
     impl Body for BondedRound {
         #[inline(always)]

@@ -4,17 +4,19 @@ use engine::graph::task::{At, Body};
 use grid::NODES;
 use simd::Simd;
 
-/// What nodes know of the matter near free rigid bodies: kept, because their motion is found in several rounds.
-pub struct RigidSites {
-    /// Mass below which a node carries nothing [kg].
-    pub least_mass: f64,
-}
+engine::task! {
+    /// What nodes know of the matter near free rigid bodies: kept, because their motion is found in several rounds.
+    pub struct RigidSites {
+        /// Mass below which a node carries nothing [kg].
+        pub least_mass: f64,
+    }
 
-engine::task! { Nodes task RigidSites {
-    requires new { step: OwnStep, sums: NodeSums, motion: NodeMotion }
-    requires now { surfaces: ToolSums }
-    computes { site: RigidSite }
-}}
+    Nodes task {
+        requires new { step: OwnStep, sums: NodeSums, motion: NodeMotion }
+        requires now { surfaces: ToolSums }
+        computes { site: RigidSite }
+    }
+}
 
 impl Body for RigidSites {
     #[inline(always)]
@@ -23,18 +25,22 @@ impl Body for RigidSites {
     }
 }
 
-/// The same where drives hold matter.
-pub struct DrivenSites(pub RigidSites);
+pub use driven::DrivenSites;
 
 mod driven {
     use super::*;
     use crate::labels::DriveSums;
 
-    engine::task! { Nodes task DrivenSites {
-        requires new { step: OwnStep, sums: NodeSums, motion: NodeMotion }
-        requires now { surfaces: ToolSums, driven: DriveSums }
-        computes { site: RigidSite }
-    }}
+    engine::task! {
+        /// As `RigidSites`, where drives hold matter.
+        pub struct DrivenSites(pub RigidSites);
+
+        Nodes task {
+            requires new { step: OwnStep, sums: NodeSums, motion: NodeMotion }
+            requires now { surfaces: ToolSums, driven: DriveSums }
+            computes { site: RigidSite }
+        }
+    }
 
     impl Body for DrivenSites {
         #[inline(always)]

@@ -3,17 +3,19 @@ use crate::rigid::newton::{Balance, seek};
 use engine::graph::task::{At, Body};
 use simd::Simd;
 
-/// A step of Newton's method for each free rigid body.
-pub struct RigidSolve {
-    /// For each material: the axes along which it does not move, and about which it does not turn.
-    pub locked: Vec<[bool; 6]>,
-}
+engine::task! {
+    /// Corrects the motion that is sought for each free rigid body by a step of Newton's method.
+    pub struct RigidSolve {
+        /// For each material: the axes along which it does not move, and about which it does not turn.
+        pub locked: Vec<[bool; 6]>,
+    }
 
-engine::task! { Once task RigidSolve {
-    requires now { bodies: RigidMotion, balance: RigidBalance }
-    computes { solved: RigidSolved }
-    modifies { trial: RigidTrial }
-}}
+    Once task {
+        requires now { bodies: RigidMotion, balance: RigidBalance }
+        computes { solved: RigidSolved }
+        modifies { trial: RigidTrial }
+    }
+}
 
 impl Body for RigidSolve {
     #[inline(always)]

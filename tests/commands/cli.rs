@@ -176,9 +176,12 @@ fn the_graph_prints_in_every_form_and_says_why() {
             "{form}"
         );
     }
-    for (what, word) in
-        [("Contact", "line"), ("NodeSums", "Computes by Scatter"), ("Gather:Stress", "VelocityGradient")]
-    {
+    for (what, word) in [
+        ("Contact", "line"),
+        ("Gather", "Particles read velocity"),
+        ("NodeSums", "Computes by Scatter"),
+        ("Gather:Stress", "VelocityGradient"),
+    ] {
         assert!(words(&graph(&["--why", what])).contains(word), "{what}");
     }
     let check = graph(&["--check"]);

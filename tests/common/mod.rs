@@ -167,8 +167,11 @@ macro_rules! tasks {
         #[allow(dead_code)]
         mod $module {
             use super::*;
-            pub struct $name;
-            engine::task! { $domain task $name { $($declaration)* } }
+            engine::task! {
+                /// Declares, and does nothing.
+                pub struct $name;
+                $domain task { $($declaration)* }
+            }
             impl engine::graph::task::Body for $name {
                 fn run<S: simd::Simd>(&self, _at: &engine::graph::task::At<'_>, _io: Io<'_>) {}
             }

@@ -45,6 +45,9 @@ fn every_form_holds_every_item_and_link_once() {
         let ends = json["links"].as_array().expect("links").iter().flat_map(|l| [&l["from"], &l["to"]]);
         assert!(ends.filter_map(|id| id.as_str()).all(|id| names.contains(id)));
 
+        let abouts = json["tasks"].as_array().expect("tasks").iter().map(|task| task["about"].as_str());
+        assert!(abouts.into_iter().all(|about| about.is_some_and(|about| !about.is_empty())));
+
         let text = chart.to_text();
         for item in diagram.items.iter().filter(|_| expanded) {
             let title = format!("  {} ", diagram.title(item));
@@ -69,6 +72,13 @@ fn the_page_is_well_formed_whatever_names_are_in_it_and_needs_no_network() {
     let data: serde_json::Value = serde_json::from_str(data.expect("data")).expect("JSON");
     assert_eq!(data["forms"].as_array().map(Vec::len), Some(2));
     assert_eq!(data["tasks"][1]["material"], "</script> & \"co\"");
+    assert_eq!(data["tasks"][1]["task"], "Weights");
+    let about = data["tasks"][1]["about"].as_str().expect("a sentence");
+    assert!(about.starts_with("The weights of the grid nodes around each particle"), "{about}");
+    assert_eq!(data["labels"]["Deformation"]["meaning"], "deformation gradient F_p, row by row");
+    for word in ["RequiresOld", "NearParticles", "Modifies"] {
+        assert!(!page.contains(word), "{word} is no word of the field");
+    }
     let outside = page.matches("http").count() - page.matches("http://www.w3.org/2000/svg").count();
     assert_eq!(outside, 0);
 }
@@ -142,4 +152,46 @@ fn why_answers_for_labels_and_edges() {
     assert_eq!(edge, ["Weights[lead] -> Scatter[lead]: flow, Weights of lead"]);
     assert!(shown.graph().why_edge("Advance", "Weights[lead]").is_empty(), "not in this order");
     assert!(shown.graph().why_label("Nonsense").is_empty() && shown.graph().why_edge("A", "B").is_empty());
+}
+
+#[test]
+fn each_task_says_what_it_does_in_a_sentence() {
+    for problem in
+        ["slab", "slab-rigid", "cantilever", "taylor-rod", "tension", "two-spheres", "sliding-block"]
+    {
+        let shown = shown(problem, &[], [1, 1, 1], 1);
+        for node in shown.program.graphs().iter().flat_map(|graph| graph.graph.node_weights()) {
+            let (name, about) = (node.declaration.name, node.declaration.about);
+            let first = about.split(' ').next().unwrap_or_default();
+            assert!(about.ends_with(['.', ')']) && about.starts_with(char::is_uppercase), "{name}: {about}");
+            assert!(
+                first.chars().all(char::is_alphabetic) && !about.contains("  "),
+                "{name} begins with words: {about}"
+            );
+            assert_eq!(shown.program.graphs().iter().find_map(|graph| graph.about(name)), Some(about));
+        }
+    }
+}
+
+#[test]
+fn a_sentence_of_several_lines_is_one_line() {
+    use crate::toy::Load;
+    use engine::graph::task::Runnable;
+    engine::task! {
+        /// Says it in words:
+        /// and goes on.
+        ///
+        /// With a paragraph, and "quotes".
+        pub struct Says;
+
+        Particles task {
+            modifies { load: Load }
+        }
+    }
+    impl engine::graph::task::Body for Says {
+        fn run<S: simd::Simd>(&self, _at: &engine::graph::task::At<'_>, _io: Io<'_>) {}
+    }
+    let declaration = Says.declaration();
+    assert_eq!(declaration.name, "Says");
+    assert_eq!(declaration.about, "Says it in words: and goes on. With a paragraph, and \"quotes\".");
 }

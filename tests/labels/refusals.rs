@@ -11,8 +11,11 @@ macro_rules! idle {
     ($($domain:ident $module:ident $task:ident { $($declared:tt)* })*) => { $(
         mod $module {
             use super::*;
-            pub struct $task;
-            engine::task! { $domain task $task { $($declared)* } }
+            engine::task! {
+                /// Declares, and does nothing.
+                pub struct $task;
+                $domain task { $($declared)* }
+            }
             impl Body for $task {
                 fn run<S: Simd>(&self, _at: &At<'_>, _io: Io<'_>) {}
             }

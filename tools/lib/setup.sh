@@ -208,6 +208,29 @@ need_viewers() {
     [ "$viewers/ready" -nt "$wanted" ] || install_python "$viewers" 'ovito.io, pyvista' "$wanted_readers" "$wanted"
 }
 
+# A Chromium without a window, and playwright-core, which drives it: $browser/node_modules. False where one of them is missing, or
+# a Node.js that is new enough.
+browser=$target/browser
+need_browser() {
+    local from=$root/tests/browser debian=()
+    has_chromium || debian+=(chromium)
+    command -v node >/dev/null && command -v npm >/dev/null || debian+=(nodejs npm)
+    if [ "${#debian[@]}" != 0 ]; then
+        command -v apt-get >/dev/null || return 1
+        (install "${debian[@]}") || return 1
+    fi
+    [ "$(node --version | sed 's/^v\([0-9]*\).*/\1/')" -ge 18 ] || return 1
+    [ "$browser/ready" -nt "$from/package-lock.json" ] && return
+    say "installing playwright-core into $browser"
+    mkdir -p "$browser" && cp "$from/package.json" "$from/package-lock.json" "$browser/" &&
+        (cd "$browser" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error </dev/null >&2) &&
+        touch "$browser/ready"
+}
+
+has_chromium() {
+    [ -n "${CHROMIUM:-}" ] || command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null
+}
+
 # install_python VENV MODULES REQUIREMENTS...: a Python with packages, in which these modules can be imported.
 install_python() {
     local venv=$1 modules=$2

@@ -53,7 +53,7 @@ pub struct Args {
     /// Only what happens on this rank, and what is next to it (expanded)
     #[arg(long, value_name = "R")]
     rank: Option<usize>,
-    /// Which line of the scene asked for this task? Who writes and reads this label? With A:B: why does A come before B?
+    /// What does this task do, and which line of the scene asked for it? Who writes and reads this label? With A:B: why does A come before B?
     #[arg(long, value_name = "TASK|LABEL|A:B", conflicts_with_all = ["check", "trace"])]
     why: Option<String>,
     /// Look for races, undeclared halos, idle labels and the like, and for labels that a graph or the next round of a loop reads
@@ -218,10 +218,11 @@ fn why(scene: &Scene, program: &Program, what: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The lines of the scene behind the tasks of a name.
+/// What the tasks of a name do, and the lines of the scene behind them.
 fn tasks(scene: &Scene, graph: &TaskGraph, name: &str) -> Vec<String> {
     let line = |(name, key): (String, String)| format!("{name}: {}", because(scene, &key));
-    graph.why(name).into_iter().map(line).collect()
+    let about = graph.about(name).map(str::to_owned);
+    about.into_iter().chain(graph.why(name).into_iter().map(line)).collect()
 }
 
 /// The line of the scene that begins with a dotted key.

@@ -5,6 +5,7 @@ pub mod check;
 pub mod error;
 pub mod exchange;
 pub mod fuse;
+pub mod kernel;
 pub mod phase;
 pub mod prune;
 pub mod recipe;

@@ -119,6 +119,8 @@ impl At<'_> {
 pub trait Task: Send + Sync + 'static {
     /// Name in messages and dumps.
     const NAME: &'static str;
+    /// What it does: its doc comment, in one line.
+    const ABOUT: &'static str;
     /// What it runs over.
     const DOMAIN: Domain;
     /// All it reads and writes.
@@ -140,6 +142,8 @@ pub trait Body: Task {
 pub struct Declaration {
     /// Its name.
     pub name: &'static str,
+    /// What it does: the doc comment of the task, in one line.
+    pub about: &'static str,
     /// What it runs over.
     pub domain: Domain,
     /// All it reads and writes.
@@ -156,7 +160,7 @@ pub trait Runnable: Send + Sync {
 
 impl<T: Body> Runnable for T {
     fn declaration(&self) -> Declaration {
-        Declaration { name: T::NAME, domain: T::DOMAIN, access: T::ACCESS }
+        Declaration { name: T::NAME, about: T::ABOUT, domain: T::DOMAIN, access: T::ACCESS }
     }
     fn run_on(&self, isa: Isa, at: &At<'_>, space: &mut Workspace<'_>) {
         isa.dispatch(RunChunk { task: self, at, space });
@@ -177,8 +181,11 @@ impl<T: Body> Job for RunChunk<'_, '_, T> {
     }
 }
 
-/// Declares a task's data: makes the access list *and* the only views its body receives. Labels under `scratch` are
-/// memory to work in: what is in them passes to nobody, and makes no edge.
+/// Declares a task: its type, what it does, and its data. Makes the access list *and* the only views its body receives. Labels under
+/// `scratch` are memory to work in: what is in them passes to nobody, and makes no edge.
+///
+/// The doc comment of the type says what the task does, to people who read the code and to those who look at the graph
+/// ([`about`](crate::graph::task::Declaration::about)): a sentence in words first, then formulas, sources and the rest.
 ///
 /// What is not declared does not compile:
 /// ```compile_fail,E0609
@@ -188,11 +195,15 @@ impl<T: Body> Job for RunChunk<'_, '_, T> {
 ///     Charge: Wide = particle("C", "q_p");
 ///     Potential: Wide = particle("V", "phi_p");
 /// }
-/// struct Peek;
-/// engine::task! { Particles task Peek {
-///     requires old { charge: Charge }
-///     computes { potential: Potential }
-/// }}
+/// engine::task! {
+///     /// Looks where it must not.
+///     pub struct Peek;
+///
+///     Particles task {
+///         requires old { charge: Charge }
+///         computes { potential: Potential }
+///     }
+/// }
 /// impl Body for Peek {
 ///     fn run<S: Simd>(&self, _at: &At<'_>, io: Io<'_>) {
 ///         let v = io.field; // error[E0609]: no field `field` on type `Io<'_>`
@@ -207,16 +218,34 @@ impl<T: Body> Job for RunChunk<'_, '_, T> {
 ///     Charge: Wide = particle("C", "q_p");
 ///     Potential: Wide = particle("V", "phi_p");
 /// }
-/// struct Peek;
-/// engine::task! { Particles task Peek {
-///     requires old { charge: Charge }
-///     computes { potential: Potential }
-/// }}
+/// engine::task! {
+///     /// Looks where it must not.
+///     pub struct Peek;
+///
+///     Particles task {
+///         requires old { charge: Charge }
+///         computes { potential: Potential }
+///     }
+/// }
 /// impl Body for Peek {
 ///     fn run<S: Simd>(&self, _at: &At<'_>, mut io: Io<'_>) {
 ///         io.charge[0] = Wide::default(); // error[E0594]: `Read` hands out no `&mut`
 ///     }
 /// }
+/// ```
+/// A task that does not say what it does does not compile:
+/// ```compile_fail
+/// use engine::schema::particle;
+/// use simd::Wide;
+/// engine::labels! { Charge: Wide = particle("C", "q_p"); }
+/// engine::task! {
+///     pub struct Silent;
+///
+///     Particles task {
+///         modifies { charge: Charge }
+///     }
+/// }
+/// # fn main() {}
 /// ```
 /// Only chunk labels are memory to work in:
 /// ```compile_fail,E0080
@@ -226,11 +255,15 @@ impl<T: Body> Job for RunChunk<'_, '_, T> {
 ///     Charge: Wide = particle("C", "q_p");
 ///     Potential: Wide = particle("V", "phi_p");
 /// }
-/// struct Spoil;
-/// engine::task! { Particles task Spoil {
-///     computes { potential: Potential }
-///     scratch { charge: Charge }
-/// }}
+/// engine::task! {
+///     /// Works where it must not.
+///     pub struct Spoil;
+///
+///     Particles task {
+///         computes { potential: Potential }
+///         scratch { charge: Charge }
+///     }
+/// }
 /// impl Body for Spoil {
 ///     fn run<S: Simd>(&self, _at: &At<'_>, _io: Io<'_>) {}
 /// }
@@ -238,15 +271,22 @@ impl<T: Body> Job for RunChunk<'_, '_, T> {
 /// ```
 #[macro_export]
 macro_rules! task {
-    ($(#[$doc:meta])* $domain:ident task $name:ident $([$kind:ident: $bound:path])? {
-        $(requires old { $($o:ident: $O:ident $(@ $old_ghost:literal)?),* $(,)? })?
-        $(requires new { $($r:ident: $R:ident $(@ $ghost:literal)?),* $(,)? })?
-        $(requires now { $($n:ident: $N:ident $(@ $now_ghost:literal)?),* $(,)? })?
-        $(adapts { $($a:ident: $A:ident @ $copied:literal),* $(,)? })?
-        $(computes { $($c:ident: $C:ident $(@ $spread:literal)?),* $(,)? })?
-        $(modifies { $($m:ident: $M:ident),* $(,)? })?
-        $(scratch { $($s:ident: $S:ident),* $(,)? })?
-    }) => {
+    (
+        $(#[doc = $about:literal])+
+        pub struct $name:ident $(<$kind:ident: $bound:path>)? $({ $($fields:tt)* })? $($(($($tuple:tt)*))?;)?
+        $domain:ident task {
+            $(requires old { $($o:ident: $O:ident $(@ $old_ghost:literal)?),* $(,)? })?
+            $(requires new { $($r:ident: $R:ident $(@ $ghost:literal)?),* $(,)? })?
+            $(requires now { $($n:ident: $N:ident $(@ $now_ghost:literal)?),* $(,)? })?
+            $(adapts { $($a:ident: $A:ident @ $copied:literal),* $(,)? })?
+            $(computes { $($c:ident: $C:ident $(@ $spread:literal)?),* $(,)? })?
+            $(modifies { $($m:ident: $M:ident),* $(,)? })?
+            $(scratch { $($s:ident: $S:ident),* $(,)? })?
+        }
+    ) => {
+        $(#[doc = $about])+
+        pub struct $name $(<$kind: $bound>)? $({ $($fields)* })? $($(($($tuple)*))?;)?
+
         /// The views that the declaration grants, and nothing else.
         pub struct Io<'a> {
             $($(
@@ -273,6 +313,8 @@ macro_rules! task {
         }
         impl $(<$kind: $bound>)? $crate::graph::task::Task for $name $(<$kind>)? {
             const NAME: &'static str = stringify!($name);
+            // lines of a doc comment begin with a space
+            const ABOUT: &'static str = concat!($($about),+).trim_ascii();
             const DOMAIN: $crate::graph::task::Domain = $crate::graph::task::Domain::$domain;
             const ACCESS: &'static [$crate::graph::task::Access] = &[
                 $($($crate::task!(@ $O RequiresOld $($old_ghost)?),)*)?
@@ -307,6 +349,9 @@ macro_rules! task {
             }
         }
     };
+    (pub struct $name:ident $($rest:tt)*) => {
+        compile_error!(concat!("task ", stringify!($name), " does not say what it does: give it a doc comment"));
+    };
     (@ $label:ident Scratch) => {
         $crate::graph::task::Access {
             label: $crate::graph::task::scratch(<$label as $crate::schema::Label>::ID),
@@ -320,46 +365,6 @@ macro_rules! task {
             label: <$label as $crate::schema::Label>::ID,
             mode: $crate::graph::task::Mode::$mode,
             ghost: $ghost,
-        }
-    };
-}
-
-/// A small task in one piece, in a module of its own: its numbers, what it runs over, what it declares (see
-/// [`task!`](crate::task!)), and its body as a function of the task, the place and the views.
-///
-/// ```
-/// mod charges {
-///     use engine::prelude::*;
-///     labels! {
-///         Charge: Wide = particle("C", "q_p");
-///         Total: ExactSum = run("C", "sum q_p").exact();
-///     }
-///     kernel! { /// Q = Σ q_p
-///         Add() in add: Particles { requires old { charge: Charge } computes { total: Total } }
-///         |_it, at, io| for p in 0..at.count {
-///             io.total[0].add(io.charge[p / 8].0[p % 8]);
-///         }
-///     }
-/// }
-/// # fn main() {}
-/// ```
-#[macro_export]
-macro_rules! kernel {
-    ($(#[$doc:meta])* $task:ident($($of:ty),*) in $module:ident: $domain:ident { $($declared:tt)* }
-        |$it:ident, $at:ident, $io:ident| $work:expr) => {
-        #[allow(missing_docs)]
-        mod $module {
-            use super::*;
-            $(#[$doc])*
-            pub struct $task($(pub $of),*);
-            $crate::task! { $domain task $task { $($declared)* } }
-            impl $crate::graph::task::Body for $task {
-                #[inline(always)]
-                fn run<S: $crate::simd::Simd>(&self, $at: &$crate::graph::task::At<'_>, mut $io: Io<'_>) {
-                    let $it = self;
-                    $work
-                }
-            }
         }
     };
 }

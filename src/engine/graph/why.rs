@@ -12,6 +12,12 @@ impl TaskGraph {
         matching.map(|n| (n.name.clone(), self.recipe.entries[n.entry].because.clone())).collect()
     }
 
+    /// What the task called `name` does; none for a name that is no task of this graph.
+    pub fn about(&self, name: &str) -> Option<&'static str> {
+        let mut matching = self.graph.node_weights().map(|node| node.declaration);
+        matching.find(|it| it.name.eq_ignore_ascii_case(name)).map(|it| it.about)
+    }
+
     /// What a label is, and who writes and reads it, in lines; none for a name that is no label of this graph.
     pub fn why_label(&self, name: &str) -> Vec<String> {
         let Some(label) = self.schema().find(name) else {

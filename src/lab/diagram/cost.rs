@@ -118,7 +118,7 @@ impl Diagram<'_> {
         ranks.dedup();
         let of_each = if self.expanded { 1.0 } else { ranks.len().max(1) as f64 };
         let shares: Vec<(Option<About>, Option<About>)> =
-            self.items.iter().map(|item| self.about(item)).collect();
+            self.items.iter().map(|item| self.traced(item)).collect();
         let mut totals: BTreeMap<&About, f64> = BTreeMap::new();
         for (item, about) in
             self.items.iter().zip(&shares).filter_map(|(item, (about, _))| Some((item, about.as_ref()?)))
@@ -141,7 +141,7 @@ impl Diagram<'_> {
     }
 
     /// Under which names a trace knows an item, and the idleness beside it.
-    fn about(&self, item: &Item) -> (Option<About>, Option<About>) {
+    fn traced(&self, item: &Item) -> (Option<About>, Option<About>) {
         match item.kind {
             Kind::Halo(phase) => (Some(About::Halo(phase)), None),
             Kind::Reduction(phase) => (Some(About::Reduction(phase)), None),

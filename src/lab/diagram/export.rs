@@ -86,10 +86,13 @@ impl Shown<'_> {
         let tasks = graph.graph.node_indices().map(|n| {
             let node = &graph.graph[n];
             let access = node.declaration.access.iter().map(|a| {
-                json!({ "label": a.label.name(), "unit": a.label.unit(), "mode": format!("{:?}", a.mode), "ghost": a.ghost })
+                json!({
+                    "label": a.label.name(), "unit": a.label.unit(), "meaning": a.label.meaning(), "mode": format!("{:?}", a.mode),
+                    "ghost": a.ghost,
+                })
             });
             json!({
-                "id": n.index(), "task": node.declaration.name,
+                "id": n.index(), "task": node.declaration.name, "about": node.declaration.about,
                 "material": node.material.map(|m| &graph.recipe.materials[m]),
                 "domain": format!("{:?}", node.declaration.domain), "phase": place(n).map(|(phase, _)| phase), "when": place(n).map(|(_, stage)| moment(stage)),
                 "because": graph.recipe.entries[node.entry].because,

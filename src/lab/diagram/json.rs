@@ -42,7 +42,7 @@ impl Diagram<'_> {
     /// An item with all its details.
     pub(super) fn json_item(&self, item: &Item) -> Value {
         let mut json = json!({
-            "id": item.id, "kind": word(item.kind), "name": item.name, "title": self.title(item),
+            "id": item.id, "kind": word(item.kind), "name": item.name, "title": self.title(item), "about": self.about(item),
             "cost_ns": item.cost, "measured": item.measured, "critical": item.critical,
         });
         let mut add = |key: &str, value: Value| {

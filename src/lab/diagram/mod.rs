@@ -12,6 +12,7 @@ mod layout;
 mod select;
 mod svg;
 mod text;
+mod words;
 
 pub use chart::Chart;
 pub use cost::ESTIMATE;
@@ -177,6 +178,14 @@ impl Diagram<'_> {
             (Runs::Once, _) => "its run in a step",
             (Runs::Rounds, None) => "one round",
             (Runs::Rounds, Some(_)) => "a step, all its rounds together",
+        }
+    }
+
+    /// What an item does: the sentence of its task, or what an exchange is for.
+    pub fn about(&self, item: &Item) -> &'static str {
+        match item.kind {
+            Kind::Task(node) => self.graph.graph[node].declaration.about,
+            kind => words::about(kind),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Draws a diagram.
 use super::layout::{Layout, Rect, Route, TEXT};
-use super::{Diagram, Kind, Link, bytes, json::word, time};
+use super::{Diagram, Kind, Link, bytes, json::word, time, words};
 use engine::graph::recipe::Why;
 use std::fmt::Write;
 
@@ -46,8 +46,13 @@ impl Diagram<'_> {
         for (group, rect) in
             self.groups.iter().zip(&layout.groups).filter(|(g, _)| g.stage && !g.items.is_empty())
         {
-            let (_, line) = color(self.items[group.items[0]].material);
-            let _ = writeln!(out, "<rect class=\"stage\" {} rx=\"6\" stroke=\"{line}\"/>", attributes(rect));
+            let material = self.items[group.items[0]].material;
+            let ((_, line), tint) = (color(material), tint(material));
+            let _ = writeln!(
+                out,
+                "<rect class=\"stage {tint}\" {} rx=\"6\" stroke=\"{line}\"/>",
+                attributes(rect)
+            );
             for (number, line) in group.title.lines().enumerate() {
                 let (x, y) = (rect.x + 8.0, rect.y + 15.0 + 12.0 * number as f64);
                 let _ =
@@ -89,10 +94,11 @@ impl Diagram<'_> {
         let critical = if item.critical { " critical" } else { "" };
         let _ = write!(
             out,
-            "<g class=\"item {}{critical}\" id=\"{prefix}{}\"><title>{}</title>",
+            "<g class=\"item {} {}{critical}\" id=\"{prefix}{}\">{}",
             word(item.kind),
+            tint(item.material),
             item.id,
-            escape(&self.tip(at))
+            title(prefix, || self.tip(at))
         );
         let round = if matches!(item.kind, Kind::Task(_)) { 3.0 } else { 10.0 };
         let _ = write!(out, "<rect {} rx=\"{round}\" fill=\"{fill}\" stroke=\"{line}\"/>", attributes(rect));
@@ -107,7 +113,7 @@ impl Diagram<'_> {
         if matches!(item.kind, Kind::Task(_)) && item.cost > 0.0 {
             let _ = write!(
                 out,
-                "<text class=\"small\" text-anchor=\"end\" x=\"{:.1}\" y=\"{first:.1}\">{}</text>",
+                "<text class=\"small cost\" text-anchor=\"end\" x=\"{:.1}\" y=\"{first:.1}\">{}</text>",
                 rect.x + rect.w - 5.0,
                 time(item.cost)
             );
@@ -118,12 +124,14 @@ impl Diagram<'_> {
     fn tip(&self, at: usize) -> String {
         let item = &self.items[at];
         let how = if item.measured { "measured" } else { "estimated" };
-        let mut tip = format!("{}\n{} {how}", self.title(item), time(item.cost));
+        let mut tip = format!("{}\n{}\n{} {how}", self.title(item), self.about(item), time(item.cost));
         if let Kind::Task(node) = item.kind {
             for access in self.graph.graph[node].declaration.access {
-                let ghost = if access.ghost > 0 { format!(" @{}", access.ghost) } else { String::new() };
-                tip +=
-                    &format!("\n{:?} {}{ghost} [{}]", access.mode, access.label.name(), access.label.unit());
+                let (label, mode) = (access.label, words::mode(access));
+                tip += &format!("\n{mode}: {} [{}], {}", label.name(), label.unit(), label.meaning());
+                if access.ghost > 0 {
+                    tip += &format!(", {}", words::ghosts(access.ghost));
+                }
             }
         }
         tip
@@ -143,16 +151,16 @@ impl Diagram<'_> {
             stroke = CRITICAL;
         }
         let numbers: Vec<String> = route.links.iter().map(|at| (number + at).to_string()).collect();
-        let tips: Vec<String> = links().map(|link| self.describe(link)).collect();
+        let tips = || links().map(|link| self.describe(link)).collect::<Vec<String>>();
         let (from, to) = (&self.items[first.from], &self.items[first.to]);
         let _ = writeln!(
             out,
-            "<g class=\"link {class}{mark}\" data-from=\"{prefix}{}\" data-to=\"{prefix}{}\" data-links=\"{}\"><title>{}</title>\
-<path d=\"{}\" stroke=\"{stroke}\" marker-end=\"url(#{prefix}tip)\"/>{}</g>",
+            "<g class=\"link {class} {}{mark}\" data-from=\"{prefix}{}\" data-to=\"{prefix}{}\" data-links=\"{}\">{}<path d=\"{}\" stroke=\"{stroke}\" marker-end=\"url(#{prefix}tip)\"/>{}</g>",
+            tint(first.material),
             from.id,
             to.id,
             numbers.join(" "),
-            escape(&format!("{} to {}\n{}", self.title(from), self.title(to), tips.join("\n"))),
+            title(prefix, || format!("{} to {}\n{}", self.title(from), self.title(to), tips().join("\n"))),
             way(route),
             self.labels(route)
         );
@@ -188,6 +196,16 @@ impl Diagram<'_> {
         let size = if link.bytes > 0 { format!(", {}", bytes(link.bytes)) } else { String::new() };
         format!("{}: {}{of}{ghost}{size}", link.why.name(), link.label.name())
     }
+}
+
+/// The class of a material's color.
+fn tint(material: Option<usize>) -> String {
+    material.map_or("shared".to_owned(), |m| format!("m{}", m % MATERIALS.len()))
+}
+
+/// What a picture says where it is pointed at; a page, whose ids have a prefix, has better means.
+pub(super) fn title(prefix: &str, text: impl Fn() -> String) -> String {
+    if prefix.is_empty() { format!("<title>{}</title>", escape(&text())) } else { String::new() }
 }
 
 fn color(material: Option<usize>) -> (&'static str, &'static str) {

@@ -1,7 +1,7 @@
 //! What a diagram adds to the table of tasks: items, messages and the critical path, for people.
 use super::{Diagram, Kind, Runs, bytes, cost::ESTIMATE, time};
 use engine::graph::traffic::Messages;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 impl Diagram<'_> {
@@ -19,9 +19,10 @@ impl Diagram<'_> {
         out
     }
 
-    /// One line an item, with what comes into it.
+    /// One line an item, with what it does where it comes first, and what comes into it.
     fn list(&self) -> String {
         let mut out = String::new();
+        let mut told = BTreeSet::new();
         let mut incoming = vec![Vec::new(); self.items.len()];
         self.links.iter().for_each(|link| incoming[link.to].push(link));
         for (column, title) in self.columns.iter().enumerate() {
@@ -35,6 +36,9 @@ impl Diagram<'_> {
                     _ => format!("{} messages, {}", item.messages.count, bytes(item.messages.bytes)),
                 };
                 let _ = writeln!(out, "  {:<44} {size}, {}", self.title(item), time(item.cost));
+                if told.insert(self.about(item)) {
+                    let _ = writeln!(out, "    {}", self.about(item));
+                }
                 for link in &incoming[at] {
                     let ghost = if link.ghost > 0 { format!("@{}", link.ghost) } else { String::new() };
                     let from = self.title(&self.items[link.from]);

@@ -3,7 +3,7 @@ use super::Chart;
 use super::flows::Flow;
 use super::place::{Frame, Track, place};
 use crate::lab::diagram::layout::{Layout, layout};
-use crate::lab::diagram::svg::{STYLE, attributes, corners, escape, legend};
+use crate::lab::diagram::svg::{STYLE, attributes, corners, escape, legend, title};
 use engine::program::Delay;
 use std::fmt::Write;
 
@@ -30,7 +30,7 @@ impl Chart<'_> {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\">\n\
 <style>{STYLE}</style>\n<defs><marker id=\"{prefix}tip\" viewBox=\"0 0 8 8\" refX=\"7.5\" refY=\"4\" markerWidth=\"7\" \
 markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0.5 8 4 0 7.5z\" fill=\"#555\"/></marker></defs>\n\
-<rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n"
+<rect class=\"paper\" width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n"
         );
         sheet.frames.iter().for_each(|frame| draw_frame(frame, &mut out));
         let mut first = 0;
@@ -44,7 +44,12 @@ markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0
         let spans: Vec<&str> = self.diagrams.iter().map(|diagram| diagram.span()).collect();
         let same = spans.iter().all(|span| *span == spans[0]);
         let span = if same { spans[0] } else { "one run of each graph" };
-        let _ = writeln!(out, "<text class=\"small\" x=\"12\" y=\"{:.1}\">{}</text>", h - 6.0, legend(span));
+        let _ = writeln!(
+            out,
+            "<text class=\"small legend\" x=\"12\" y=\"{:.1}\">{}</text>",
+            h - 6.0,
+            legend(span)
+        );
         out.push_str("</svg>");
         out
     }
@@ -55,9 +60,9 @@ markerHeight=\"7\" markerUnits=\"userSpaceOnUse\" orient=\"auto\"><path d=\"M0 0
         let (from, to) = (self.name(flow.from), self.name(flow.to));
         let _ = write!(
             out,
-            "<g class=\"{class}\" data-passes=\"{}\"><title>{}</title><path d=\"{}\" marker-end=\"url(#{prefix}tip)\"/>",
+            "<g class=\"{class}\" data-passes=\"{}\">{}<path d=\"{}\" marker-end=\"url(#{prefix}tip)\"/>",
             numbers.join(" "),
-            escape(&format!("{from} to {to}, {}", flow.delay.name())),
+            title(prefix, || format!("{from} to {to}, {}", flow.delay.name())),
             corners(&track.points)
         );
         let (x, y, lines) = &track.text;
