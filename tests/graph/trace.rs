@@ -6,7 +6,7 @@ use engine::exec::ranks::{Alone, Network};
 use engine::exec::recorder::{Recorder, Track};
 use engine::exec::trace::{Event, Kind};
 use engine::graph::build::TaskGraph;
-use sinew::lab::diagram::{Diagram, Kind as Item};
+use sinew::lab::diagram::{Diagram, Kind as Item, Source};
 use sinew::lab::plan::plan;
 use sinew::lab::scale::tally;
 use sinew::output::trace::measured::{About, Measured};
@@ -150,7 +150,10 @@ fn a_diagram_takes_its_times_from_the_trace() {
         let nodes = graph.phases[1].stages[0].nodes.iter();
         let of_stage: Vec<_> = nodes.flat_map(|&n| diagram.of(Item::Task(n))).collect();
         let costs: f64 = of_stage.iter().map(|item| item.cost).sum();
-        assert!(!of_stage.is_empty() && of_stage.iter().all(|item| item.measured && item.idle.is_some()));
+        assert!(
+            !of_stage.is_empty()
+                && of_stage.iter().all(|item| item.source == Source::Split && item.idle.is_some())
+        );
         let tasks: Vec<String> = graph.phases[1].stages[0]
             .nodes
             .iter()
@@ -159,12 +162,36 @@ fn a_diagram_takes_its_times_from_the_trace() {
         let whole = sum(&measured, &About::Stage(tasks, Some("tissue".to_owned()))).ns / 2.0;
         assert!((costs / whole - 1.0).abs() < 1e-9, "tasks share the time of their stage: {costs} {whole}");
         let lead = graph.phases[1].stages[1].nodes[0];
-        assert!(diagram.of(Item::Task(lead)).all(|item| !item.measured && item.cost > 0.0), "an estimate");
+        assert!(
+            diagram.of(Item::Task(lead)).all(|item| item.source == Source::Estimated && item.cost > 0.0),
+            "an estimate"
+        );
     }
     let text = Diagram::collapsed(&graph, &cycle, &plan.traffic, Some(&measured)).report();
-    for words in ["mean times a step", "rank thread", "waits ", "(estimated)", "2 steps"] {
+    for words in ["mean times a step", "rank thread", "waits ", "(estimated)", "(split)", "2 steps"] {
         assert!(text.contains(words), "{words}: {text}");
     }
+}
+
+#[test]
+fn estimates_take_the_pace_that_was_measured() {
+    let (graph, scene) = (graph(), common::problem("slab-quick", &[]));
+    let (plan, cycle) = (plan(&scene, 2, 1).expect("a plan"), rates::at_rest(&scene));
+    let mut diagram = Diagram::collapsed(&graph, &cycle, &plan.traffic, None);
+    let (work, path) = (diagram.work_ns(), diagram.path_ns);
+    let others = path
+        - diagram
+            .path
+            .iter()
+            .map(|&at| &diagram.items[at])
+            .filter(|item| matches!(item.kind, Item::Task(_)))
+            .map(|item| item.cost)
+            .sum::<f64>();
+    diagram.set_pace(3.0, "measured somewhere");
+    assert!((diagram.work_ns() / work - 3.0).abs() < 1e-9);
+    // what is no task keeps its time
+    assert!(((diagram.path_ns - others) / (path - others) - 3.0).abs() < 1e-9, "{path} {}", diagram.path_ns);
+    assert!(diagram.report().contains("measured somewhere"));
 }
 
 #[test]

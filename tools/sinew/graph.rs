@@ -1,11 +1,13 @@
 //! `sinew graph`: the tasks of a step and what passes between them.
 use super::args::SceneArgs;
 use super::fail::Failure;
+use super::trial::Trial;
 use engine::graph::build::TaskGraph;
 use engine::graph::check::hazards;
 use engine::program::{self, Program};
 use grid::{BLOCK, Decomposition, Patch};
-use scene::Scene;
+use scene::{Rates, Scene};
+use simd::Isa;
 use sinew::input::identity::fingerprint;
 use sinew::lab::diagram::Chart;
 use sinew::lab::plan::{self, Plan};
@@ -63,6 +65,9 @@ pub struct Args {
     /// Take times from the trace of a run: sinew run SCENE --trace writes it to RUN/trace.json
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
+    /// Take some steps on one thread, as sinew check does, and scale the estimated times to what they take on this machine
+    #[arg(long, conflicts_with_all = ["trace", "why", "check"])]
+    measure: bool,
 }
 
 /// Patches a rank, if nobody says how many.
@@ -94,7 +99,34 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             entry.because = because(&scene, &entry.because);
         }
     }
-    show(args, &scene, &program, &plan, measured.as_ref())
+    let pace = if args.measure { Some(measure(args, &scene, &program, &plan)?) } else { None };
+    show(args, &scene, &program, &plan, (measured.as_ref(), pace.as_ref()))
+}
+
+/// What a step takes here over what its tasks are estimated to take, and in words.
+fn measure(args: &Args, scene: &Scene, program: &Program, plan: &Plan) -> Result<(f64, String), Failure> {
+    if !program.loops().is_empty() || scene.run.rates != Rates::Common {
+        let message = "--measure cannot tell what a round of a loop, or a tick with rates of their own, takes: take a trace instead (sinew run \
+                       SCENE --trace, sinew graph SCENE --trace RUN/trace.json)";
+        return Err(Failure::usage(message));
+    }
+    let cycle = rates::at_rest(scene);
+    let estimated =
+        Chart::new(program, &cycle, &plan.traffic, None, false).work_ns() * plan.traffic.ranks as f64;
+    let mut overrides = args.scene.changes.overrides()?;
+    overrides.push(("run.threads".to_owned(), "1".to_owned()));
+    let alone = sinew::input::read(&args.scene.scene, &overrides)?;
+    let trial = Trial::of(alone, Isa::from_environment().map_err(Failure::usage)?)?;
+    let Some(pace) = trial.pace else {
+        return Err(Failure::usage("the run ends before a step of it could be measured"));
+    };
+    let words = format!(
+        "estimated by what tasks touch, scaled to {:.3} ms a step, which {} steps took on one thread here; 2 µs and 0.2 ns a byte for a \
+         message; one thread a rank",
+        1e3 * pace.seconds,
+        pace.tried
+    );
+    Ok((1e9 * pace.seconds / estimated.max(f64::MIN_POSITIVE), words))
 }
 
 /// Refuses the trace of another scene, if it says of which it is: its times are those of other tasks.
@@ -124,10 +156,10 @@ fn show(
     scene: &Scene,
     program: &Program,
     plan: &Plan,
-    measured: Option<&Measured>,
+    (measured, pace): (Option<&Measured>, Option<&(f64, String)>),
 ) -> Result<(), Failure> {
     let cycle = rates::at_rest(scene);
-    let of = |expanded| chart(args, program, &cycle, plan, measured, expanded);
+    let of = |expanded| chart(args, program, &cycle, plan, (measured, pace), expanded);
     let expanded = args.expanded || args.patch.is_some() || args.rank.is_some();
     let chart = of(expanded);
     match args.format {
@@ -149,10 +181,12 @@ fn chart<'a>(
     program: &'a Program,
     cycle: &'a Cycle,
     plan: &'a Plan,
-    measured: Option<&'a Measured>,
+    (measured, pace): (Option<&'a Measured>, Option<&(f64, String)>),
     expanded: bool,
 ) -> Chart<'a> {
     let mut chart = Chart::new(program, cycle, &plan.traffic, measured, expanded);
+    // before anything is left out: the critical path is that of all
+    pace.iter().for_each(|(factor, words)| chart.set_pace(*factor, words));
     if let Some(patch) = args.patch.filter(|_| expanded) {
         chart.keep(|item| item.patch == Some(patch));
     }

@@ -1,5 +1,5 @@
 //! Makes diagrams: columns from phases and exchanges, items in them, and links from the edges of the graph.
-use super::{Diagram, Group, Item, Kind, Lane, Link, Runs};
+use super::{Diagram, ESTIMATE, Group, Item, Kind, Lane, Link, Runs, Source};
 use crate::output::trace::measured::Measured;
 use crate::simulation::rates::Cycle;
 use engine::graph::build::TaskGraph;
@@ -42,6 +42,7 @@ impl<'a> Diagram<'a> {
             cycle,
             traffic,
             measured,
+            estimate: ESTIMATE.to_owned(),
             expanded,
             runs: Runs::Alone,
             prefix: String::new(),
@@ -246,7 +247,7 @@ impl Builder<'_> {
             messages,
             cost: 0.0,
             idle: None,
-            measured: false,
+            source: Source::Estimated,
             critical: false,
         });
     }

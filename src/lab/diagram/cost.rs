@@ -1,5 +1,5 @@
 //! What items take: measured, or estimated by what they touch.
-use super::{Diagram, Item, Kind};
+use super::{Diagram, Item, Kind, Source};
 use crate::output::trace::measured::About;
 use engine::graph::recipe::over_particles;
 use engine::graph::task::{Access, Declaration, Domain};
@@ -52,6 +52,19 @@ impl Diagram<'_> {
             Domain::Particles => of(&self.traffic.particles),
             Domain::Buffers => of(&self.traffic.blocks),
         }
+    }
+
+    /// Scales the estimates of tasks by a factor, of which `words` say where it is from.
+    pub fn set_pace(&mut self, factor: f64, words: &str) {
+        let tasks = self.items.iter_mut().filter(|item| matches!(item.kind, Kind::Task(_)));
+        tasks.filter(|item| item.source == Source::Estimated).for_each(|item| item.cost *= factor);
+        self.estimate = words.to_owned();
+        self.find_path();
+    }
+
+    /// The estimated work of all tasks [ns].
+    pub fn work_ns(&self) -> f64 {
+        self.items.iter().filter(|item| matches!(item.kind, Kind::Task(_))).map(|item| item.cost).sum()
     }
 
     /// Fills in the costs of all items.
@@ -132,10 +145,19 @@ impl Diagram<'_> {
         for (item, (about, idle)) in self.items.iter().zip(&shares) {
             let total = about.as_ref().and_then(|about| totals.get(about)).copied().unwrap_or(1.0);
             let share = item.cost.max(1e-9) / total;
-            costs.push((mean(about).map(|ns| ns * share), mean(idle).map(|ns| ns * share)));
+            costs.push((
+                mean(about).map(|ns| ns * share),
+                mean(idle).map(|ns| ns * share),
+                share > 0.999_999,
+            ));
         }
-        for (item, (cost, idle)) in self.items.iter_mut().zip(costs) {
-            (item.measured, item.idle) = (cost.is_some(), idle);
+        for (item, (cost, idle, alone)) in self.items.iter_mut().zip(costs) {
+            item.idle = idle;
+            item.source = match (cost, alone) {
+                (None, _) => Source::Estimated,
+                (Some(_), true) => Source::Measured,
+                (Some(_), false) => Source::Split,
+            };
             item.cost = cost.unwrap_or(item.cost);
         }
     }

@@ -1,5 +1,5 @@
 //! Items, links and what goes with them as JSON.
-use super::{Diagram, Item, Kind, Link, cost::ESTIMATE};
+use super::{Diagram, Item, Kind, Link};
 use engine::graph::traffic::{Messages, Pairs};
 use serde_json::{Value, json};
 
@@ -24,7 +24,7 @@ impl Diagram<'_> {
             .collect();
         json["messages"] = self.json_messages();
         let path: Vec<&str> = self.path.iter().map(|&at| self.items[at].id.as_str()).collect();
-        let how = if self.measured.is_some() { "measured where the trace has it" } else { ESTIMATE };
+        let how = if self.measured.is_some() { "measured where the trace has it" } else { &self.estimate };
         json["critical_path"] = json!({ "items": path, "ns": self.path_ns, "of": self.span(), "costs": how });
         if let Some(measured) = self.measured {
             json["measured"] = json!({
@@ -43,7 +43,7 @@ impl Diagram<'_> {
     pub(super) fn json_item(&self, item: &Item) -> Value {
         let mut json = json!({
             "id": item.id, "kind": word(item.kind), "name": item.name, "title": self.title(item), "about": self.about(item),
-            "cost_ns": item.cost, "measured": item.measured, "critical": item.critical,
+            "cost_ns": item.cost, "cost_is": item.source.word(), "critical": item.critical,
         });
         let mut add = |key: &str, value: Value| {
             if !value.is_null() {

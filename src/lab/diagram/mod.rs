@@ -82,10 +82,32 @@ pub struct Item {
     pub cost: f64,
     /// Idle time of workers beside it in a step [ns], if measured.
     pub idle: Option<f64>,
-    /// Whether `cost` was measured.
-    pub measured: bool,
+    /// Where `cost` is from.
+    pub source: Source,
     /// Whether it lies on the critical path.
     pub critical: bool,
+}
+
+/// Where a time is from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// From what it touches.
+    Estimated,
+    /// The share of a stage's measured time that a task has in an estimate.
+    Split,
+    /// From a trace.
+    Measured,
+}
+
+impl Source {
+    /// In a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Source::Estimated => "estimated",
+            Source::Split => "split",
+            Source::Measured => "measured",
+        }
+    }
 }
 
 /// Something that passes from item to item, or keeps their order.
@@ -143,6 +165,8 @@ pub struct Diagram<'a> {
     pub traffic: &'a Traffic,
     /// Measured times, if there are any.
     pub measured: Option<&'a Measured>,
+    /// How other times are estimated, in words.
+    pub estimate: String,
     /// Whether a task is one item a patch.
     pub expanded: bool,
     /// How a step runs the graph.

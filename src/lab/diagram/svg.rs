@@ -123,7 +123,7 @@ impl Diagram<'_> {
 
     fn tip(&self, at: usize) -> String {
         let item = &self.items[at];
-        let how = if item.measured { "measured" } else { "estimated" };
+        let how = item.source.word();
         let mut tip = format!("{}\n{}\n{} {how}", self.title(item), self.about(item), time(item.cost));
         if let Kind::Task(node) = item.kind {
             for access in self.graph.graph[node].declaration.access {

@@ -1,5 +1,5 @@
 //! What a diagram adds to the table of tasks: items, messages and the critical path, for people.
-use super::{Diagram, Kind, Runs, bytes, cost::ESTIMATE, time};
+use super::{Diagram, Kind, Runs, Source, bytes, time};
 use engine::graph::traffic::Messages;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -118,12 +118,15 @@ impl Diagram<'_> {
         let how = if self.measured.is_some() {
             "times of the trace, where it has them; workers of a rank added up"
         } else {
-            ESTIMATE
+            &self.estimate
         };
         let _ = writeln!(out, "critical path of {}: {} ({how})", self.span(), time(self.path_ns));
         for &at in &self.path {
             let item = &self.items[at];
-            let mark = if item.measured || self.measured.is_none() { "" } else { " (estimated)" };
+            let mark = match (item.source, self.measured) {
+                (_, None) | (Source::Measured, _) => String::new(),
+                (source, _) => format!(" ({})", source.word()),
+            };
             let _ = writeln!(out, "  {:<44} {:>10}{mark}", self.title(item), time(item.cost));
         }
     }
@@ -133,12 +136,14 @@ impl Diagram<'_> {
         let Some(measured) = self.measured else { return };
         let _ = writeln!(
             out,
-            "mean times a step, of all workers of a rank together; tasks of a stage share its time:"
+            "mean times a step, of all workers of a rank together; of a stage of several tasks the time is measured, and split among them as \
+             estimated:"
         );
-        for item in self.items.iter().filter(|item| item.measured) {
+        for item in self.items.iter().filter(|item| item.source != Source::Estimated) {
             let idle = item.idle.map_or(String::new(), |idle| format!(", idle {}", time(idle)));
             let word = if matches!(item.kind, Kind::Halo(_) | Kind::Reduction(_)) { "waits " } else { "" };
-            let _ = writeln!(out, "  {:<44} {word}{}{idle}", self.title(item), time(item.cost));
+            let split = if item.source == Source::Split { " (split)" } else { "" };
+            let _ = writeln!(out, "  {:<44} {word}{}{split}{idle}", self.title(item), time(item.cost));
         }
         out.push_str(&measured.table());
     }

@@ -110,7 +110,7 @@ impl Chart<'_> {
         json!({
             "name": if expanded { "a box a task and patch" } else { "a box a task" }, "expanded": expanded,
             "items": items, "links": links, "graphs": graphs,
-            "costs": if measured { "measured, where the trace has it" } else { ESTIMATE },
+            "costs": if measured { "measured, where the trace has it; split among the tasks of a stage as estimated" } else { self.diagrams.first().map_or(ESTIMATE, |it| &it.estimate) },
         })
     }
 }

@@ -55,6 +55,16 @@ impl<'a> Chart<'a> {
         Self { program, diagrams, passes: passes(program), around }
     }
 
+    /// Scales the estimates of tasks by a factor, of which `words` say where it is from.
+    pub fn set_pace(&mut self, factor: f64, words: &str) {
+        self.diagrams.iter_mut().for_each(|diagram| diagram.set_pace(factor, words));
+    }
+
+    /// The estimated work of all tasks, each graph once [ns].
+    pub fn work_ns(&self) -> f64 {
+        self.diagrams.iter().map(Diagram::work_ns).sum()
+    }
+
     /// Keeps the items that are `wanted`, and what is next to them: see [`Diagram::keep`].
     pub fn keep(&mut self, wanted: impl Fn(&Item) -> bool) {
         self.diagrams.iter_mut().for_each(|diagram| diagram.keep(&wanted));

@@ -65,7 +65,7 @@ function tellItem(id) {
   } else {
     facts += row("messages", `${number(it.messages ?? 0)}, ${bytes(it.bytes ?? 0)}`);
   }
-  facts += row(it.measured ? "measured" : "estimated", `${time(it.cost_ns)} in ${text(now().graphs[it.graph].span)}`) +
+  facts += row(it.cost_is, `${time(it.cost_ns)} in ${text(now().graphs[it.graph].span)}`) +
     row("idle beside it", it.idle_ns === undefined ? "" : time(it.idle_ns)) + row("critical path", it.critical ? "yes: the step waits for it" : "no");
   const reads = task ? task.access.filter(a => !a.writes) : [], writes = task ? task.access.filter(a => a.writes) : [];
   const from = now().links.filter(link => link.to === id), to = now().links.filter(link => link.from === id);

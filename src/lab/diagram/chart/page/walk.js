@@ -77,7 +77,7 @@ function tip(target, x, y) {
   const box = $("tip");
   if (target.classList.contains("item")) {
     const it = item(strip(target.id));
-    const kind = [it.material, placeOf(it), `${time(it.cost_ns)} ${it.measured ? "measured" : "estimated"}`].filter(Boolean).join(", ");
+    const kind = [it.material, placeOf(it), `${time(it.cost_ns)} ${it.cost_is}`].filter(Boolean).join(", ");
     box.innerHTML = `<b>${text(nameOf(it))}</b> <small>${text(kind)}</small><p>${prose(aboutOf(it))}</p>`;
   } else if (target.classList.contains("link")) {
     const links = linksOf(target);
