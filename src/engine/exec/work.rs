@@ -42,14 +42,14 @@ pub struct Watch<'a> {
 
 impl Watch<'_> {
     /// A worker begins with a block.
-    fn begin(&self) -> (u64, Option<Instant>) {
-        (self.trace.now(), self.weighing.then(Instant::now))
+    fn begin(&self) -> Option<Instant> {
+        self.weighing.then(Instant::now)
     }
 
-    /// It has done so; what it took, if that is weighed [ns].
-    fn end(&self, (traced, began): (u64, Option<Instant>), worker: usize, stage: &Stage, slab: u32) -> u64 {
-        let took = began.map_or(0, |began| began.elapsed().as_nanos() as u64);
-        self.trace.record_on(worker, traced, Event { slab, ..Event::stage(stage) });
+    /// A worker has done a block of a call that `began`; what it took, if that is weighed [ns].
+    fn end(&self, began: u64, moment: Option<Instant>, worker: usize, stage: &Stage, slab: u32) -> u64 {
+        let took = moment.map_or(0, |moment| moment.elapsed().as_nanos() as u64);
+        self.trace.record_on(worker, began, Event { slab, ..Event::stage(stage) });
         took
     }
 }
@@ -114,7 +114,7 @@ pub fn over_nodes<E: Executor>(
     executor.each(&mut items, |worker, block| {
         let moment = watch.begin();
         let ran = update(context, stage, data.particles, &mut lock(&scratch[worker]), block);
-        block.cost += watch.end(moment, worker, stage, slab);
+        block.cost += watch.end(began, moment, worker, stage, slab);
         if ran && phase.settles {
             block.until.fill(next);
         }
@@ -149,7 +149,7 @@ pub fn over_particles<E: Executor>(
     executor.each(&mut items, |worker, (stage, block)| {
         let moment = watch.begin();
         sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
-        block.cost += watch.end(moment, worker, stage, slab);
+        block.cost += watch.end(began, moment, worker, stage, slab);
     });
     watch.trace.record_idle(began, phase.stages.first().map_or(Event::other(Kind::Idle), Event::idle));
     memory.particles = recycle(items);
