@@ -144,8 +144,8 @@ fn pictures_do_not_replace_files_of_a_run() {
         refused(&plot(&out.join(name)), &["is a file of a run"]);
     }
     assert_eq!(contents(folder.path()), before);
-    completed(&plot(&folder.path().join("history.csv")));
-    completed(&plot(&folder.path().join("history.csv")));
+    completed(&plot(&folder.path().join("section.png")));
+    completed(&plot(&folder.path().join("section.png")));
 }
 
 #[test]

@@ -49,7 +49,9 @@ fn command(line: &str) -> Option<Vec<String>> {
     let line = line.strip_prefix("    ")?;
     let words = words(line);
     let run = words.iter().position(|word| word == "tools/run");
-    let sinew = words.iter().position(|word| word == "sinew" || word.ends_with("/sinew"));
+    // not where it is what another program is given
+    let given = words.first().is_some_and(|word| word == "node" || word.starts_with("python"));
+    let sinew = words.iter().position(|word| !given && (word == "sinew" || word.ends_with("/sinew")));
     let end = |rest: &[String]| {
         rest.iter().take_while(|word| !["|", ">", "&&", ";"].contains(&word.as_str())).cloned().collect()
     };
