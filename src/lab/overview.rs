@@ -78,7 +78,7 @@ fn force(table: &Table, giver: &str) -> Option<Line> {
     }
     let force = table.column(&format!("{giver}.force_{axis}_n"))?;
     Some(Line {
-        name: format!("{giver}, {axis}"),
+        name: format!("{giver} along {axis}"),
         points: way.into_iter().zip(force).map(|(x, f)| [x, f]).collect(),
     })
 }
