@@ -1,5 +1,6 @@
 //! Pictures of a made wound. `SINEW_PICTURES=DIR cargo test --test commands picture` keeps them to be looked at.
 use physics::faces::free::Free;
+use physics::motion::Course;
 use scene::geometry::Solid;
 use scene::*;
 use sinew::lab::figure::{Figure, Format, Raster, colors};
@@ -284,6 +285,44 @@ fn fields_sides_and_cuts_are_what_was_asked_for() {
         long.split_whitespace().count()
     );
     assert!(said.contains(long.trim()), "{said}");
+}
+
+#[test]
+fn a_tool_without_particles_is_seen_where_it_is() {
+    let (mut scene, mut frame) = (scene(), snapshot(true));
+    let spin = scene::Table(vec![(0.0, [0.0; 3])]);
+    // 10 mm down in a millisecond
+    let course = Course::Displacement(scene::Table(vec![(0.0, [0.0; 3]), (1e-3, [0.0, -10.0 * MM, 0.0])]));
+    scene.materials[1].behavior =
+        Behavior::Rigid(RigidMotion::Prescribed { course, spin, center: None, visible: false });
+    scene.bodies[1].solid = Solid::Sphere { center: [25.0 * MM, 36.0 * MM, 25.0 * MM], radius: 4.0 * MM };
+    let count = frame.materials.iter().filter(|m| **m == 0).count();
+    frame.materials.truncate(count);
+    frame.identities.truncate(count);
+    frame.positions.truncate(count);
+    frame.columns.iter_mut().for_each(|(field, values)| values.truncate(count * field.components));
+    let at = |z: f64| {
+        let request =
+            Request { cut: Cut::Slice(2, z * MM, H), ..Request::section(&scene, Coloring::Failure) };
+        picture(&request, &frame, None, &scene)
+    };
+    let seen = at(25.0);
+    keep(&seen, "tool.png");
+    // gray is also in text, in the legend and in shadows: the section beside it tells how much
+    let [with, without] = [seen, at(5.0)].map(|figure| share(&figure, colors::TOOL));
+    println!("{with} of the picture is gray, {without} beside the tool");
+    assert!(with > without + 0.02, "{with} {without}");
+    // its lowest point is at 36 - 4.2 - 4 mm: a millimeter and a half below the surface of entry
+    let points = |time: f64| {
+        let moved = Snapshot { time, ..frame.clone() };
+        pixels(&picture(
+            &Request { cut: Cut::Slice(2, 25.0 * MM, H), ..Request::section(&scene, Coloring::Failure) },
+            &moved,
+            None,
+            &scene,
+        ))
+    };
+    assert_ne!(points(0.0), points(0.42e-3));
 }
 
 #[test]

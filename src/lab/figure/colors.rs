@@ -91,6 +91,9 @@ pub const FAILURE_OF_THE_PAPER: [Color; 4] = [[88, 132, 204], [58, 172, 92], [24
 /// What is there and shows nothing: matter without the field that is drawn.
 pub const PLAIN: Color = [168, 172, 178];
 
+/// Tools, which have no particles.
+pub const TOOL: Color = [128, 134, 142];
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,8 @@
 //! Which color a particle has, and what the legend says about it.
+use crate::lab::figure::Color;
 use crate::lab::figure::axis::Quantity;
 use crate::lab::figure::colors::{self, Map};
-use crate::lab::figure::{Color, colors::PLAIN};
+use crate::lab::figure::colors::{PLAIN, TOOL};
 use crate::lab::wound::{code, scalars};
 use crate::output::frame::{Field, Frame, part_names};
 use scene::Scene;
@@ -241,6 +242,8 @@ pub fn ink(
                 let names: Vec<String> = others.iter().map(|m| name(usize::from(*m))).collect();
                 legend.push((PLAIN, names.join(", ")));
             }
+            let tools = scene.materials.iter().filter(|it| !it.has_particles());
+            legend.extend(tools.map(|it| (TOOL, it.name.clone())));
             ((0..frame.particles()).map(color).collect(), Legend::Kinds(legend))
         }
         Coloring::Material => {

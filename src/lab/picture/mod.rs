@@ -3,12 +3,13 @@ mod canvas;
 mod exit;
 mod ink;
 mod sheet;
+mod tools;
 pub mod view;
 
 pub use ink::{Coloring, Palette, Part, Span};
 pub use view::{Cut, View};
 
-use super::figure::colors::shade;
+use super::figure::colors::{MATERIALS, TOOL, shade};
 use super::figure::{Color, Figure, Raster};
 use super::wound::{scalars, spacing};
 use crate::output::frame::Frame;
@@ -70,8 +71,7 @@ pub struct Subject<'a> {
 
 /// A particle that is drawn.
 struct Ball {
-    /// Its place in the frame.
-    index: usize,
+    of: Of,
     /// Where it is on the page, from the origin: right and up [m].
     place: [f64; 2],
     /// How near it is to the viewer [m].
@@ -81,28 +81,45 @@ struct Ball {
     light: f64,
 }
 
+/// What a ball shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Of {
+    /// A particle, by its place in the frame.
+    Particle(usize),
+    /// A part of a tool without particles, of a material.
+    Tool(usize),
+}
+
+impl Ball {
+    fn particle(&self) -> Option<usize> {
+        if let Of::Particle(index) = self.of { Some(index) } else { None }
+    }
+}
+
 /// What all frames of a picture or a film have together: the box that is shown, and from where to where colors go.
 #[derive(Clone, Debug)]
 pub struct Survey {
     window: Option<Window>,
+    tools: Option<Window>,
     spans: Vec<Span>,
 }
 
 impl Survey {
     /// Of no frame yet.
     pub fn new(request: &Request) -> Self {
-        Self { window: None, spans: vec![Span::NOTHING; request.colorings.len()] }
+        Self { window: None, tools: None, spans: vec![Span::NOTHING; request.colorings.len()] }
     }
 
     /// With a frame.
     pub fn add(&mut self, request: &Request, subject: Subject<'_>) {
         let (balls, _) = balls(request, subject);
         for ball in &balls {
-            let window = self.window.get_or_insert(Window { low: ball.place, high: ball.place });
+            let window = if ball.particle().is_some() { &mut self.window } else { &mut self.tools };
+            let window = window.get_or_insert(Window { low: ball.place, high: ball.place });
             *window = window.with(ball.place, ball.radius);
         }
         for (span, coloring) in self.spans.iter_mut().zip(&request.colorings) {
-            let own = Span::of(coloring, subject.frame, balls.iter().map(|ball| ball.index));
+            let own = Span::of(coloring, subject.frame, balls.iter().filter_map(Ball::particle));
             *span = match request.span {
                 Some([low, high]) => Span { low, high, beyond: [own.low < low, own.high > high] },
                 None => span.with(own),
@@ -117,7 +134,11 @@ impl Survey {
             let end = |a: usize| if n >> a & 1 == 1 { domain.cells[a] as f64 * domain.cell } else { 0.0 };
             request.view.place([0, 1, 2].map(|a| domain.lower[a] + end(a)))
         };
-        self.window.unwrap_or_else(|| {
+        let window = match (self.window, self.tools) {
+            (Some(window), Some(tools)) => Some(window.towards(tools)),
+            (window, tools) => window.or(tools),
+        };
+        window.unwrap_or_else(|| {
             let first = Window { low: corner(0), high: corner(0) };
             (1..8).fold(first, |window, n| window.with(corner(n), 0.0))
         })
@@ -138,7 +159,7 @@ pub fn draw_with(request: &Request, survey: &Survey, subjects: &[Subject<'_>]) -
     let shown: Vec<_> = subjects.iter().map(|subject| balls(request, *subject)).collect();
     let inked = |coloring, span| {
         subjects.iter().zip(&shown).map(move |(it, (balls, _))| {
-            let drawn: HashSet<usize> = balls.iter().map(|ball| ball.index).collect();
+            let drawn: HashSet<usize> = balls.iter().filter_map(Ball::particle).collect();
             ink::ink(it.frame, it.scene, coloring, (span, request.palette), |i| drawn.contains(&i))
         })
     };
@@ -148,8 +169,15 @@ pub fn draw_with(request: &Request, survey: &Survey, subjects: &[Subject<'_>]) -
     let legends: Vec<Option<Legend>> = rows.iter().map(|(_, legends)| legends.last().cloned()).collect();
     let times: Vec<f64> = subjects.iter().map(|subject| subject.frame.time()).collect();
     let mut sheet = Sheet::new(request, window, &legends, times.len());
-    let panels = rows.iter().flat_map(|(colors, _)| colors.iter().zip(&shown));
-    let panels = panels.map(|(colors, (balls, _))| panel(&sheet.panel, balls, colors)).collect();
+    let rows = rows.iter().zip(&request.colorings).flat_map(|((colors, _), coloring)| {
+        let tool = |material: usize| match coloring {
+            Coloring::Material => MATERIALS[material % MATERIALS.len()],
+            _ => TOOL,
+        };
+        let panels = colors.iter().zip(&shown);
+        panels.map(|(colors, (balls, _))| panel(&sheet.panel, balls, colors, tool)).collect::<Vec<_>>()
+    });
+    let panels = rows.collect();
     let levels = scene.output.wound.iter().flat_map(|wound| wound.surfaces.map(|at| (wound.axis, at)));
     sheet.panels(panels, &times, &levels.collect::<Vec<_>>());
     let title = if scene.title.is_empty() { &scene.name } else { &scene.title };
@@ -176,25 +204,37 @@ fn balls(request: &Request, subject: Subject<'_>) -> (Vec<Ball>, &'static str) {
         let shown = light > 0.0 && x.iter().all(|x| x.is_finite()) && request.cut.shows(x, &request.view);
         let size = sizes.get(usize::from(materials[index])).or(sizes.first()).copied().unwrap_or(0.0);
         shown.then(|| Ball {
-            index,
+            of: Of::Particle(index),
             place: request.view.place(x),
             near: view::along(x, request.view.toward),
             radius: size * grown(index),
             light,
         })
     };
-    let balls = frame.positions().into_iter().enumerate().filter_map(ball).collect();
+    let mut balls: Vec<Ball> = frame.positions().into_iter().enumerate().filter_map(ball).collect();
+    let points = tools::points(scene, frame.time(), |x| request.cut.shows(x, &request.view));
+    balls.extend(points.into_iter().map(|(material, x, half)| Ball {
+        of: Of::Tool(material),
+        place: request.view.place(x),
+        near: view::along(x, request.view.toward),
+        radius: 2.0 * BALL * half,
+        light: 1.0,
+    }));
     (balls, lights.map_or("", |(_, note)| note))
 }
 
 /// The balls of a frame as pixels, nearest last.
-fn panel(panel: &Panel, balls: &[Ball], colors: &[Color]) -> Raster {
+fn panel(panel: &Panel, balls: &[Ball], colors: &[Color], tool: impl Fn(usize) -> Color) -> Raster {
     let mut balls: Vec<&Ball> = balls.iter().collect();
     balls.sort_by(|a, b| a.near.total_cmp(&b.near));
     let mut canvas = Canvas::new(panel.pixels);
     for ball in balls {
         let radius = (ball.radius * panel.scale).max(0.9);
-        let color = shade(colors[ball.index], ball.light);
+        let color = match ball.of {
+            Of::Particle(index) => colors[index],
+            Of::Tool(material) => tool(material),
+        };
+        let color = shade(color, ball.light);
         canvas.ball(panel.place(ball.place), ball.near * panel.scale, radius, color);
     }
     canvas.into_raster()

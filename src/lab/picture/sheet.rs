@@ -35,6 +35,17 @@ impl Window {
         Self { low, high: [0, 1].map(|a| self.high[a].max(at[a] + radius)) }
     }
 
+    /// Larger towards another one, by a part of its own size at the most.
+    pub fn towards(self, other: Self) -> Self {
+        const PART: f64 = 0.35;
+        let (size, mut window) = (self.size(), self);
+        for a in 0..2 {
+            window.low[a] = self.low[a].min(other.low[a]).max(self.low[a] - PART * size[a]);
+            window.high[a] = self.high[a].max(other.high[a]).min(self.high[a] + PART * size[a]);
+        }
+        window
+    }
+
     fn size(&self) -> [f64; 2] {
         [0, 1].map(|a| (self.high[a] - self.low[a]).max(1e-9))
     }
