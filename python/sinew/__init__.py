@@ -102,11 +102,14 @@ class History(Mapping):
     def __len__(self):
         return len(self._columns)
 
-    def table(self):
-        """As a pandas table."""
+    def table(self, probes_alone=False):
+        """As a pandas table; rows that a probe's own interval has made, with no other columns, only if ``probes_alone``."""
         import pandas
 
-        return pandas.DataFrame(dict(self._columns))
+        table = pandas.DataFrame(dict(self._columns))
+        if probes_alone or "residual_j" not in table:
+            return table
+        return table[table["residual_j"].notna()].reset_index(drop=True)
 
 
 def _numbers(cells):

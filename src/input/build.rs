@@ -39,7 +39,7 @@ pub(super) fn scene(root: &Node) -> Outcome<Scene> {
     let contacts = contacts(root.get("contact"), &materials);
     let forces = forces(root.get("force"), &materials, root.get("body"));
     let drives = drives(root.get("drive"), &materials, root.get("body"));
-    let probes = probes(root.get("probe"), &materials, root.get("body"));
+    let probes = probes(root.get("probe"), &materials, root.get("body"), &domain);
     let faces = face_conditions(root.get("boundary"));
     let output = output(root.get("output"), &materials, domain.cell);
     let (((bodies, contacts), (forces, drives)), (faces, (output, probes))) =

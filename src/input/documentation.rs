@@ -152,6 +152,7 @@ fn has_section(form: &Form) -> bool {
     match form {
         Form::Table(_) | Form::Parameters(_) | Form::Tagged { .. } => true,
         Form::One(cases) => cases.iter().any(|case| has_section(&case.form)),
+        Form::List(each) => matches!(each, Form::Table(_)),
         _ => false,
     }
 }

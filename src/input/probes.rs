@@ -8,8 +8,8 @@ use super::shapes::SHAPE;
 use super::shown::one;
 use physics::parameter::Dimension;
 use physics::quantities::POSITION;
-use scene::Material;
 use scene::shown::{Probe, ProbeOf, available};
+use scene::{Domain, Material};
 
 const POINT: Form = Form::Vector(Dimension::Length, 3);
 
@@ -45,13 +45,23 @@ pub(super) static PROBE: &[Field] = &[
 const VALUES: &[&str] = &["mean", "largest", "smallest"];
 
 /// All probes of a scene.
-pub(super) fn probes(given: &Node, materials: &[Material], bodies: &Node) -> Outcome<Vec<Probe>> {
-    let each = |(number, node): (usize, &Node)| probe(node, number, materials, bodies);
+pub(super) fn probes(
+    given: &Node,
+    materials: &[Material],
+    bodies: &Node,
+    domain: &Domain,
+) -> Outcome<Vec<Probe>> {
+    let each = |(number, node): (usize, &Node)| probe(node, number, materials, (bodies, domain));
     let found = all(given.items().iter().enumerate().map(each))?;
     unique(found, given, "probe", |probe| &probe.name)
 }
 
-fn probe(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> Outcome<Probe> {
+fn probe(
+    given: &Node,
+    number: usize,
+    materials: &[Material],
+    (bodies, domain): (&Node, &Domain),
+) -> Outcome<Probe> {
     let material = material_index(given.get("material"), materials)?;
     let it = &materials[material];
     if !it.has_particles() {
@@ -75,7 +85,15 @@ fn probe(given: &Node, number: usize, materials: &[Material], bodies: &Node) -> 
                 let message = "`value` has no meaning for one particle";
                 return Err(Fault::new(value.place, message).help("leave it out"));
             }
-            ProbeOf::Nearest(at.vector())
+            let point: [f64; 3] = at.vector();
+            let end = |a: usize| domain.lower[a] + (domain.cells[a] as f64 + 1.0) * domain.cell;
+            if (0..3).any(|a| !(domain.lower[a] - domain.cell..=end(a)).contains(&point[a])) {
+                let message = format!("the point {point:?} m lies outside of the domain");
+                return Err(
+                    Fault::new(at.place, message).help("is a unit missing? A bare number is in meters")
+                );
+            }
+            ProbeOf::Nearest(point)
         }
         (None, "largest") => ProbeOf::Largest(region),
         (None, "smallest") => ProbeOf::Smallest(region),

@@ -54,10 +54,8 @@ fn forces(table: &Table) -> Option<Plot> {
         return None;
     }
     let [along, up] = ["displacement", "force on the matter"].map(str::to_owned);
-    // a single line has no legend
-    let title = if let [line] = &lines[..] { line.name.clone() } else { String::new() };
     Some(Plot {
-        title,
+        title: "Forces over displacements".to_owned(),
         axes: [Quantity { words: along, unit: "m".into() }, Quantity { words: up, unit: "N".into() }],
         log: [false; 2],
         marks: false,

@@ -143,18 +143,20 @@ impl Plot {
     fn line(&self, figure: &mut Figure, frame: &Frame, line: &Line, n: usize) {
         let (color, dashes) = style(n);
         // rows of a history in which other columns alone have numbers are no gaps
-        let points = line.points.iter().filter(|p| frame.shows(p)).map(|p| frame.place(*p)).collect();
-        figure.marks.push(Mark::Line { points, color, width: THICK, dashes });
-        if self.marks {
-            let shown = line.points.iter().filter(|p| frame.shows(p));
-            figure.marks.extend(shown.map(|p| Mark::Disc { center: frame.place(*p), radius: 0.8, color }));
+        let points: Vec<[f64; 2]> =
+            line.points.iter().filter(|p| frame.shows(p)).map(|p| frame.place(*p)).collect();
+        // of a point alone no line can be seen
+        if self.marks || points.len() == 1 {
+            figure.marks.extend(points.iter().map(|&center| Mark::Disc { center, radius: 0.8, color }));
         }
+        figure.marks.push(Mark::Line { points, color, width: THICK, dashes });
     }
 
-    /// Names of the lines in rows above the frame; none of a single line, which the axis names.
+    /// Names of the lines in rows above the frame; none of a single line that axis or title name.
     fn legend(&self, room: f64) -> Figure {
         let mut figure = Figure::new([room, 0.0]);
-        if self.lines.len() < 2 {
+        let named = |line: &Line| self.axes[1].words == line.name || self.title == line.name;
+        if self.lines.len() < 2 && self.lines.iter().all(named) {
             return figure;
         }
         let row = LABEL.line_height();

@@ -327,13 +327,23 @@ pub struct Output {
 }
 
 impl Output {
-    /// How many frames a run until a time [s] writes at most.
-    pub fn most_frames(&self, until: f64) -> usize {
-        let of = |period: &Period| match period.frames_every {
-            Some(every) if period.from < until => ((period.to.min(until) - period.from) / every) as usize + 1,
-            _ => 0,
+    /// How many frames a run until a time [s] writes, if steps are short against the time between them; a million at most.
+    pub fn frames_until(&self, until: f64) -> usize {
+        if self.frames == 0 {
+            return 0;
+        }
+        let all = |from: f64, to: f64, every: f64| {
+            let count = (((to - from) / every * (1.0 + 1e-9)).floor() + 1.0).min(1e6) as usize;
+            (0..count).map(move |n| from + n as f64 * every)
         };
-        if self.frames == 0 { 0 } else { self.frames + 1 + self.periods.iter().map(of).sum::<usize>() }
+        let periods = self.periods.iter().filter(|period| period.from < until);
+        let own =
+            periods.filter_map(|period| Some(all(period.from, period.to.min(until), period.frames_every?)));
+        let mut times: Vec<f64> = all(0.0, until, until / self.frames as f64).chain(own.flatten()).collect();
+        times.sort_by(f64::total_cmp);
+        // one that is due twice is written once
+        times.dedup_by(|a, b| *a - *b <= 1e-9 * until);
+        times.len().min(1_000_000)
     }
 }
 

@@ -104,6 +104,21 @@ fn pictures_and_films_are_drawn_as_asked() {
     for words in ["<text", "cut at y = 1 mm", "data:image/png;base64"] {
         assert!(svg.contains(words), "{words}");
     }
+    draw(&["--field", "von_mises", "--range", "0:2 kPa", "--material", "left", "--view", "+x"], "one.png");
+    // many frames go on in rows below
+    let height = |png: &[u8]| u32::from_be_bytes([png[20], png[21], png[22], png[23]]);
+    let rows = [&["--frame", "0,1"][..], &["--frame", "0-6"]].map(|frames| {
+        height(&draw(
+            &[&["--field", "speed", "--view", "+z", "--width", "90 mm"][..], frames].concat(),
+            "rows.png",
+        ))
+    });
+    assert!(rows[1] > rows[0], "{rows:?}");
+    // a film is of one size, however narrow; nothing is left of its draft
+    draw(&["--field", "speed", "--width", "60 mm"], "film-narrow.png");
+    let drafts = ok(std::fs::read_dir(folder.path()))
+        .filter(|it| it.as_ref().is_ok_and(|it| it.file_name().to_string_lossy().contains("part")));
+    assert_eq!(drafts.count(), 0);
     // a film: acTL says how many pictures it has
     let film = draw(&["--field", "speed", "--rate", "5"], "film.png");
     let at = film.windows(4).position(|word| word == b"acTL").expect("an animated PNG");
@@ -133,6 +148,20 @@ fn pictures_that_cannot_be_drawn_are_refused_in_words() {
         (&["--movie", "film.gif"], "an animated one"),
     ] {
         let output = sinew(&[&["picture", text(&out)][..], more].concat());
+        let said = words(&output);
+        assert!(output.status.code() == Some(2) && said.contains(expected), "{more:?}: {said}");
+    }
+    for (more, expected) in [
+        (&["picture", "--width", "2 m", "--dpi", "2400"][..], "ask for fewer dpi"),
+        (&["picture", "--width", "30 mm", "--field", "von_mises"], "mm wide"),
+        (&["picture", "--plane", "x=1 m"], "there is nothing to draw"),
+        (&["picture", "--field", "speed", "--material", "wood"], "there is no material \"wood\""),
+        (&["picture", "--field", "speed", "--field", "von_mises", "--range", "0:1"], "of one field"),
+        (&["picture", "--field", "von_mises", "--range", "0:1 kg"], "a unit of the field (Pa)"),
+        (&["plot", "--log", "y"], "name some with --y or --minus"),
+        (&["plot", "--y", "right.mean_velocity_x_m_s", "--log", "y"], "no number above zero"),
+    ] {
+        let output = sinew(&[&more[..1], &[text(&out)], &more[1..]].concat());
         let said = words(&output);
         assert!(output.status.code() == Some(2) && said.contains(expected), "{more:?}: {said}");
     }

@@ -162,7 +162,7 @@ fn keep(figure: &Figure, name: &str) {
 
 fn picture(request: &Request, frame: &Snapshot, first: Option<&Snapshot>, scene: &Scene) -> Figure {
     let first = first.map(|first| first as &dyn Frame);
-    draw(request, &[Subject { frame, first, scene }])
+    draw(request, &[Subject { frame, first, scene }]).unwrap()
 }
 
 fn section(frame: &Snapshot, scene: &Scene, coloring: Coloring) -> Figure {
@@ -261,7 +261,7 @@ fn fields_sides_and_cuts_are_what_was_asked_for() {
     };
     let (first, scene_) = (snapshot(false), &scene);
     let subjects = [&first, &last].map(|frame| Subject { frame, first: None, scene: scene_ });
-    let figure = draw(&corner, &subjects);
+    let figure = draw(&corner, &subjects).unwrap();
     keep(&figure, "panels.png");
     let images = figure.marks.iter().filter(|m| matches!(m, sinew::lab::figure::Mark::Image { .. })).count();
     assert_eq!(images, 4, "a row for each field, a column for each frame");
@@ -272,7 +272,7 @@ fn fields_sides_and_cuts_are_what_was_asked_for() {
         };
         figure.marks.iter().filter_map(text).collect::<Vec<_>>()
     };
-    for words in ["0 s", "420 µs", "speed [m/s]", "intact", "lead", "cut at z = 25 mm"] {
+    for words in ["0 µs", "420 µs", "speed [m/s]", "intact", "lead", "cut at z = 25 mm"] {
         assert!(texts(&figure).iter().any(|text| text == words), "{words}: {:?}", texts(&figure));
     }
     // a title is never cut
@@ -311,7 +311,7 @@ fn a_tool_without_particles_is_seen_where_it_is() {
     // gray is also in text, in the legend and in shadows: the section beside it tells how much
     let [with, without] = [seen, at(5.0)].map(|figure| share(&figure, colors::TOOL));
     println!("{with} of the picture is gray, {without} beside the tool");
-    assert!(with > without + 0.02, "{with} {without}");
+    assert!(with > 1.5 * without, "{with} {without}");
     // its lowest point is at 36 - 4.2 - 4 mm: a millimeter and a half below the surface of entry
     let points = |time: f64| {
         let moved = Snapshot { time, ..frame.clone() };
@@ -332,7 +332,8 @@ fn a_film_keeps_its_window_and_its_colors() {
     let subject = |frame| Subject { frame, first: None, scene: &scene };
     let mut survey = Survey::new(&request);
     [&first, &last].into_iter().for_each(|frame| survey.add(&request, subject(frame)));
-    let frames = [&first, &last].map(|frame| pixels(&draw_with(&request, &survey, &[subject(frame)])));
+    let frames =
+        [&first, &last].map(|frame| pixels(&draw_with(&request, &survey, &[subject(frame)]).unwrap()));
     assert_eq!(frames[0].size, frames[1].size);
     assert_ne!(frames[0], frames[1]);
     // alone, the first frame is drawn in a smaller window

@@ -259,6 +259,7 @@ fn probes_of_nothing_are_refused() {
         ),
         ("probe.corner.field", "fiber_direction", "something of the law \"tissue\""),
         ("probe.corner.value", "mean", "`value` has no meaning for one particle"),
+        ("probe.corner.at", "[11.9, 0, 0]", "outside of the domain"),
         ("probe.corner.body", "block", "a probe `at` a point has no region"),
         ("probe.right.name", "corner", "there are two probes named \"corner\""),
         ("probe.right.value", "median", "mean"),

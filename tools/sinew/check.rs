@@ -110,8 +110,8 @@ fn output(scene: &Scene) -> String {
     let bytes = particles * (12 + 8 + 2 + 4 * numbers);
     let names: Vec<&str> = scene.output.fields.iter().map(|shown| shown.name).collect();
     format!(
-        "{} frames of up to {:.1} MiB each: {}",
-        scene.output.most_frames(scene.run.until),
+        "{} frames (at most one a step) of up to {:.1} MiB each: {}",
+        scene.output.frames_until(scene.run.until),
         bytes as f64 / f64::from(1 << 20),
         names.join(", ")
     )

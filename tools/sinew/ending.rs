@@ -1,4 +1,5 @@
 //! What a run says when it is over: its numbers, and where its time went.
+use super::progress::seconds;
 use super::say::say;
 use super::voice::{Voice, event};
 use sinew::output::summary::{Summary, Timing};
@@ -23,7 +24,7 @@ pub fn tell(summary: &Summary, place: &str, voice: Voice) {
 fn numbers(summary: &Summary, place: &str) {
     let e = &summary.energy_j;
     say!("results        {place}");
-    say!("simulated      {:.4} ms in {} steps", 1e3 * summary.time_s, summary.steps);
+    say!("simulated      {} in {} steps", seconds(summary.time_s), summary.steps);
     say!(
         "wall time      {:.1} s, {:.2} million particle updates a second and core ({}, {} threads)",
         summary.wall_s,

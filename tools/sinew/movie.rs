@@ -1,7 +1,7 @@
 //! Films of a run: one window and one range of colors for all frames.
 use super::fail::Failure;
 use super::folder::refuse_result;
-use super::picture::Run;
+use super::picture::{Run, refuse_nothing};
 use sinew::lab::figure::{Animation, Figure, Raster};
 use sinew::lab::picture::{Request, Survey, draw_with};
 use sinew::output::io;
@@ -38,17 +38,27 @@ pub fn write(
         run.subjects(&frames).into_iter().for_each(|subject| survey.add(request, subject));
         tell("looked at", n);
     }
+    refuse_nothing(&survey, request)?;
     let picture = |number: usize| -> Result<Figure, Failure> {
         let frames = run.frames(&[number])?;
-        Ok(draw_with(request, &survey, &run.subjects(&frames)))
+        draw_with(request, &survey, &run.subjects(&frames)).map_err(Failure::usage)
     };
-    let failed = |problem: String| Failure::Run(format!("{}: {problem}", file.display()));
+    let draft = Draft::of(file);
+    let failed =
+        |problem: String| Failure::Run(format!("{}: {problem}; the film was not written", file.display()));
     let mut film: Option<Film> = None;
     for (n, number) in numbers.iter().enumerate() {
         let raster = picture(*number)?.rasterize(request.dpi).map_err(failed)?;
         let film = match &mut film {
             Some(film) => film,
-            None => film.insert(Film::begin(file, &kind, &raster, numbers.len() as u32, rate, request.dpi)?),
+            None => film.insert(Film::begin(
+                &draft.path,
+                &kind,
+                &raster,
+                numbers.len() as u32,
+                rate,
+                request.dpi,
+            )?),
         };
         film.add(&raster).map_err(failed)?;
         tell("drew", n);
@@ -57,7 +67,32 @@ pub fn write(
         eprintln!();
     }
     film.map_or(Ok(()), |film| film.end().map_err(failed))?;
+    draft.put_in_place(file)?;
     Ok(file.to_owned())
+}
+
+/// A film on its way: what fails leaves nothing.
+struct Draft {
+    path: PathBuf,
+}
+
+impl Draft {
+    fn of(file: &Path) -> Self {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        // ffmpeg knows what to write by the ending
+        Self { path: file.with_file_name(format!(".part-{name}")) }
+    }
+
+    fn put_in_place(self, file: &Path) -> Result<(), Failure> {
+        Ok(std::fs::rename(&self.path, file).map_err(io("rename", file))?)
+    }
+}
+
+impl Drop for Draft {
+    fn drop(&mut self) {
+        // it is not there, if all went well
+        let _ = std::fs::remove_file(&self.path);
+    }
 }
 
 /// A film in the making.

@@ -7,7 +7,7 @@ use physics::parameter::Dimension;
 use scene::Scene;
 use sinew::input::units;
 use sinew::lab::figure::Format;
-use sinew::lab::picture::{self, Coloring, Cut, Palette, Request, Subject, View, view};
+use sinew::lab::picture::{self, Coloring, Cut, Palette, Request, Subject, Survey, View, view};
 use sinew::output::frame::Frame;
 use sinew::output::snapshot::Snapshot;
 use sinew::output::vtkhdf::Reader;
@@ -36,7 +36,10 @@ pub struct Args {
     /// From where one looks: +x, -x, +y, -y, +z, -z or corner
     #[arg(long, value_name = "SIDE", allow_hyphen_values = true)]
     view: Option<String>,
-    /// From where to where colors go, in SI, for example 0:2e5 (default: what is there, without a few far out)
+    /// A material to draw (repeatable; default: all)
+    #[arg(long, value_name = "NAME")]
+    material: Vec<String>,
+    /// From where to where colors go, for example 0:2e5 in SI, or "0:200 kPa" (default: what is there, without a few far out)
     #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true)]
     range: Option<String>,
     /// Colors of failure: apart (for every eye) or paper (the paper's)
@@ -86,7 +89,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             refuse_result(&file)?;
             let format = Format::of(&file).map_err(Failure::usage)?;
             let frames = run.frames(&args.frames(&run, "last")?)?;
-            picture::draw(&request, &run.subjects(&frames)).write(&file, format, request.dpi)?;
+            let subjects = run.subjects(&frames);
+            let mut survey = Survey::new(&request);
+            subjects.iter().for_each(|subject| survey.add(&request, *subject));
+            refuse_nothing(&survey, &request)?;
+            let figure = picture::draw_with(&request, &survey, &subjects).map_err(Failure::usage)?;
+            figure.write(&file, format, request.dpi)?;
             file
         }
     };
@@ -139,7 +147,22 @@ impl Args {
                 "--view looks along the plane: look from a side of it, or leave --view out",
             ));
         }
-        self.style(Request { view, cut, colorings, ..section })
+        let material = |name: &String| {
+            run.scene.materials.iter().position(|it| it.name == *name).ok_or_else(|| {
+                let all: Vec<&str> = run.scene.materials.iter().map(|it| it.name.as_str()).collect();
+                Failure::usage(format!("there is no material {name:?}: the scene has {}", all.join(", ")))
+            })
+        };
+        let only = self.material.iter().map(material).collect::<Result<_, _>>()?;
+        let span = match (&self.range, &colorings[..]) {
+            (None, _) => None,
+            (Some(_), [_, _, ..]) => {
+                return Err(Failure::usage("--range is of one field: draw the others by themselves"));
+            }
+            (Some(text), [coloring, ..]) => Some(range(text, &coloring.quantity(run.reader.fields()).unit)?),
+            (Some(_), []) => None,
+        };
+        self.style(Request { view, cut, colorings, only, span, ..section })
     }
 
     /// The same with the size and the colors that are wanted.
@@ -155,16 +178,48 @@ impl Args {
             Colors::Apart => Palette::Apart,
             Colors::Paper => Palette::Paper,
         };
-        let span = self.range.as_deref().map(range).transpose()?;
-        Ok(Request { width: millimeters, dpi: self.dpi, palette, span, ..request })
+        Ok(Request { width: millimeters, dpi: self.dpi, palette, ..request })
     }
 }
 
-fn range(text: &str) -> Result<[f64; 2], Failure> {
-    let wrong = || Failure::usage(format!("--range {text}: write it as LOW:HIGH, for example 0:2e5"));
+/// Refuses a picture of nothing.
+pub fn refuse_nothing(survey: &Survey, request: &Request) -> Result<(), Failure> {
+    if !survey.is_empty() {
+        return Ok(());
+    }
+    let words = request.cut.words();
+    let place = if words.is_empty() { "in these frames".to_owned() } else { format!("in the {words}") };
+    Err(Failure::usage(format!("there is nothing to draw {place}: no particle lies there")))
+}
+
+/// Two numbers, in SI or with the unit of the field, of which the first may be without it.
+fn range(text: &str, unit: &str) -> Result<[f64; 2], Failure> {
+    let wrong = || {
+        Failure::usage(format!(
+            "--range {text}: write it as LOW:HIGH, LOW below HIGH, for example 0:2e5, or \"0:200 kPa\" with a unit of the field ({})",
+            if unit.is_empty() { "which has none" } else { unit }
+        ))
+    };
     let (low, high) = text.split_once(':').ok_or_else(wrong)?;
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-    match (number(low), number(high)) {
+    let dimension =
+        Dimension::ALL.iter().copied().find(|it| units::accepted(*it).split(", ").next() == Some(unit));
+    let number = |text: &str| {
+        let plain = text.trim().parse::<f64>().ok();
+        plain
+            .or_else(|| dimension.and_then(|it| units::parse(text.trim(), it).ok()))
+            .filter(|x| x.is_finite())
+    };
+    // the unit of the second number is that of both
+    let after = high
+        .trim()
+        .find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E')
+        .map_or("", |at| &high.trim()[at..]);
+    let first = if low.trim().parse::<f64>().is_ok() && !after.is_empty() {
+        format!("{low} {after}")
+    } else {
+        low.into()
+    };
+    match (number(&first), number(high)) {
         (Some(low), Some(high)) if low < high => Ok([low, high]),
         _ => Err(wrong()),
     }
@@ -240,7 +295,8 @@ impl Run {
         for (name, request) in requests {
             let Some(request) = request else { continue };
             let (request, file) = (style(request)?, self.folder.join(format!("{name}{end}.png")));
-            picture::draw(&request, &subjects).write(&file, Format::Png, request.dpi)?;
+            let figure = picture::draw(&request, &subjects).map_err(Failure::usage)?;
+            figure.write(&file, Format::Png, request.dpi)?;
             written.push(file);
         }
         Ok(written)

@@ -8,6 +8,7 @@ use sinew::lab::overview;
 use sinew::lab::plot::{Line, NARROWEST, Plot};
 use sinew::output::history::Table;
 use sinew::output::{create::write_whole, io};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Plot columns of a run's history over each other: energies in time, forces over displacements
@@ -20,15 +21,24 @@ pub struct Args {
     /// The column along the axis
     #[arg(long, value_name = "COLUMN", default_value = "time_s")]
     x: String,
-    /// A column to draw (repeatable)
-    #[arg(long, value_name = "COLUMN")]
+    /// A column to draw (repeatable), with what the legend says of it, if that is not its name: drive.right.force_x_n="pulling grip"
+    #[arg(long, value_name = "COLUMN[=WORDS]")]
     y: Vec<String>,
     /// Draw minus this column (repeatable): what a grip gives is not what it takes
-    #[arg(long, value_name = "COLUMN")]
+    #[arg(long, value_name = "COLUMN[=WORDS]")]
     minus: Vec<String>,
-    /// Which axes are logarithmic: x, y or xy
+    /// Which axes are logarithmic: x, y or xy; with columns
     #[arg(long, value_name = "AXES", value_parser = ["x", "y", "xy"])]
     log: Option<String>,
+    /// What stands above (default: the title of the scene; "": nothing); with columns
+    #[arg(long, value_name = "WORDS")]
+    title: Option<String>,
+    /// What stands along the axis, before the unit; with columns
+    #[arg(long, value_name = "WORDS")]
+    x_label: Option<String>,
+    /// What stands beside it, before the unit; with columns
+    #[arg(long, value_name = "WORDS")]
+    y_label: Option<String>,
     /// Print the names of all columns, and draw nothing
     #[arg(long)]
     list: bool,
@@ -50,8 +60,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         table.header.iter().for_each(|name| println!("{name}"));
         return Ok(());
     }
+    if table.rows.is_empty() {
+        return Err(Failure::usage(format!("{} has no rows yet", args.dir.join("history.csv").display())));
+    }
     let title = title(&args.dir);
+    let of_columns =
+        [args.log.is_some(), args.title.is_some(), args.x_label.is_some(), args.y_label.is_some()];
     let plots = match args.y.is_empty() && args.minus.is_empty() {
+        true if of_columns.contains(&true) => {
+            let message =
+                "--log, --title, --x-label and --y-label are of columns: name some with --y or --minus";
+            return Err(Failure::usage(message));
+        }
         true => overview::plots(&table, &title),
         false => vec![args.chosen(&table, title)?],
     };
@@ -100,27 +120,52 @@ impl Args {
             }
         };
         let x = column(&self.x)?;
-        let line = |(name, sign): (&String, f64)| -> Result<Line, Failure> {
-            let points = x.iter().zip(column(name)?).map(|(x, y)| [*x, sign * y]);
-            let words = Quantity::of_column(name).words;
-            let name = if sign < 0.0 { format!("−{words}") } else { words };
-            Ok(Line { name, points: points.collect() })
-        };
+        let along = Quantity::of_column(&self.x);
         let all = self.y.iter().map(|name| (name, 1.0)).chain(self.minus.iter().map(|name| (name, -1.0)));
-        let lines = all.map(line).collect::<Result<Vec<_>, _>>()?;
+        let all: Vec<(&str, Option<&str>, f64)> = all
+            .map(|(name, sign)| match name.split_once('=') {
+                Some((name, words)) => (name, Some(words), sign),
+                None => (name.as_str(), None, sign),
+            })
+            .collect();
         // lines of one unit share it
-        let mut units: Vec<String> =
-            self.y.iter().chain(&self.minus).map(|name| Quantity::of_column(name).unit).collect();
-        units.dedup();
-        let unit = if let [unit] = &units[..] { unit.clone() } else { String::new() };
-        let words = match (&lines[..], unit.as_str()) {
+        let units: BTreeSet<String> = all.iter().map(|(name, ..)| Quantity::of_column(name).unit).collect();
+        let shared =
+            if units.len() == 1 { units.into_iter().next().unwrap_or_default() } else { String::new() };
+        let line = |(name, words, sign): &(&str, Option<&str>, f64)| -> Result<Line, Failure> {
+            let points: Vec<[f64; 2]> = x.iter().zip(column(name)?).map(|(x, y)| [*x, sign * y]).collect();
+            let own = Quantity::of_column(name);
+            let unit = if own.unit == shared || own.unit.is_empty() {
+                String::new()
+            } else {
+                format!(" [{}]", own.unit)
+            };
+            let minus = if *sign < 0.0 { "−" } else { "" };
+            let name = words.map_or_else(|| format!("{minus}{}{unit}", own.words), str::to_owned);
+            Ok(Line { name, points })
+        };
+        let lines = all.iter().map(line).collect::<Result<Vec<_>, _>>()?;
+        let log = ["x", "y"].map(|axis| self.log.as_ref().is_some_and(|axes| axes.contains(axis)));
+        for line in &lines {
+            let shown = |p: &&[f64; 2]| (0..2).all(|a| p[a].is_finite() && (!log[a] || p[a] > 0.0));
+            if line.points.iter().filter(shown).count() == 0 {
+                let problem = "has no number above zero, which a logarithmic axis could show";
+                return Err(Failure::usage(format!("{:?} {problem}", line.name)));
+            }
+        }
+        let words = match (&lines[..], shared.as_str()) {
             ([line], _) => line.name.clone(),
             (_, "N") => "force".to_owned(),
+            (_, "N m") => "torque".to_owned(),
             (_, "J") => "energy".to_owned(),
+            (_, "m/s") => "velocity".to_owned(),
+            (_, "Pa") => "stress".to_owned(),
+            (_, "m") => "length".to_owned(),
             _ => String::new(),
         };
-        let log = ["x", "y"].map(|axis| self.log.as_ref().is_some_and(|axes| axes.contains(axis)));
-        let axes = [Quantity::of_column(&self.x), Quantity { words, unit }];
-        Ok(Plot { title, axes, log, marks: false, lines })
+        let up = Quantity { words: self.y_label.clone().unwrap_or(words), unit: shared };
+        let along = Quantity { words: self.x_label.clone().unwrap_or(along.words), ..along };
+        let title = self.title.clone().unwrap_or(title);
+        Ok(Plot { title, axes: [along, up], log, marks: false, lines })
     }
 }

@@ -121,10 +121,10 @@ impl Progress {
             );
         }
         let message = format!(
-            "step {}  t {:.4} ms  dt {:.1} ns  {:.2} M updates/s  {} left",
+            "step {}  t {}  dt {}  {:.2} M updates/s  {} left",
             simulation.steps(),
-            1e3 * clock.time,
-            1e9 * clock.tick,
+            seconds(clock.time),
+            seconds(clock.tick),
             rate / 1e6,
             duration(left)
         );
@@ -170,6 +170,16 @@ fn fraction(simulation: &Simulation, until: f64) -> f64 {
     let by_steps =
         simulation.scene.run.steps.map_or(0.0, |most| simulation.steps() as f64 / most.max(1) as f64);
     by_time.max(by_steps).min(1.0)
+}
+
+/// Simulated time in its unit: `0.8 ms`.
+pub fn seconds(time: f64) -> String {
+    let units = [(1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")];
+    let (one, unit) = units
+        .into_iter()
+        .find(|(one, _)| time >= 0.9999 * one)
+        .unwrap_or(units[if time == 0.0 { 0 } else { 3 }]);
+    format!("{} {unit}", sinew::lab::figure::axis::short(time / one, 5))
 }
 
 /// Seconds in words: `42 s`, `3 min 5 s`, `2 h 4 min`.

@@ -2,9 +2,10 @@
 use super::args::RunArgs;
 use super::fail::Failure;
 use super::folder::{self, Taken};
+use super::progress::seconds;
 use super::ranks::{self, Crew};
 use super::say::{say, tell};
-use super::voice::Voice;
+use super::voice::{Voice, event};
 use engine::exec::ranks::collective;
 use scene::Scene;
 use simd::Isa;
@@ -39,12 +40,19 @@ pub fn resume(
         if first {
             let steps = scene.run.steps.filter(|most| checkpoint.head.steps >= *most);
             let bound = steps.map_or("run.until (--until)", |_| "run.steps (--steps)");
-            say!(
-                "{} is complete: {} steps, {:.4} ms, where {bound} ends it; go further with a later one",
+            let words = format!(
+                "{} is complete: {} steps, {}, where {bound} ends it; go further with a later one",
                 folder.display(),
                 checkpoint.head.steps,
-                1e3 * checkpoint.head.time
+                seconds(checkpoint.head.time)
             );
+            match args.loudness.voice() {
+                Voice::Json => event(
+                    "complete",
+                    serde_json::json!({ "text": words, "folder": folder.display().to_string() }),
+                ),
+                _ => say!("{words}"),
+            }
         }
         network.part(None);
         return Ok(None);

@@ -53,8 +53,11 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
     match end {
         End::Failed(error) => {
             let last = if first { checkpoint::last_whole(folder).ok() } else { None };
-            let last = last
-                .map_or_else(String::new, |last| format!("\nThe last state before is {}", place(&last.path)));
+            let last = last.map_or_else(String::new, |last| {
+                let step = checkpoint::Reader::open(&last.path)
+                    .map_or(String::new(), |it| format!(" of step {}", it.head.steps));
+                format!("\nThe last checkpoint before is{step}: {}", place(&last.path))
+            });
             return Err(Failure::Run(format!("{error}{last}")));
         }
         End::Interrupted => {

@@ -172,6 +172,8 @@ impl Axis {
             return Self { log: false, ..self }.steps(count, one);
         }
         let every = powers.div_ceil(count.max(1)).max(1) as i32;
+        // all in digits, or all as powers
+        let plain = first >= -4 && last <= 4;
         let worded: &[u32] = if powers < 2 {
             &[1, 2, 3, 5]
         } else if powers < 3 {
@@ -183,17 +185,17 @@ impl Axis {
         let tick = |(e, m): (i32, u32)| {
             let x = f64::from(m) * 10f64.powi(e);
             let says = worded.contains(&m) && (e.rem_euclid(every) == 0 || m > 1);
-            on(x).then(|| (x * one, if says { power(e, m) } else { String::new() }))
+            on(x).then(|| (x * one, if says { power(e, m, plain) } else { String::new() }))
         };
         all.filter_map(tick).filter(|(_, words)| every == 1 || !words.is_empty()).collect()
     }
 }
 
-/// `m` times a power of ten in words: in digits as long as these are few.
-fn power(exponent: i32, m: u32) -> String {
+/// `m` times a power of ten in words: in digits, if it is to be `plain`.
+fn power(exponent: i32, m: u32, plain: bool) -> String {
     match exponent {
-        -3..=-1 => format!("{:.*}", -exponent as usize, f64::from(m) * 10f64.powi(exponent)),
-        0..=3 => format!("{}", u64::from(m) * 10u64.pow(exponent as u32)),
+        -4..=-1 if plain => format!("{:.*}", -exponent as usize, f64::from(m) * 10f64.powi(exponent)),
+        0..=4 if plain => format!("{}", u64::from(m) * 10u64.pow(exponent as u32)),
         _ => {
             let power: String = exponent.to_string().chars().map(superscript).collect();
             if m == 1 { format!("10{power}") } else { format!("{m}·10{power}") }
@@ -272,7 +274,10 @@ mod tests {
         }
         let none = Axis::of(std::iter::empty(), false, true);
         assert_eq!((none.from, none.to), (0.0, 1.0));
-        assert_eq!((power(2, 5), power(-4, 1), power(7, 2)), ("500".into(), "10⁻⁴".into(), "2·10⁷".into()));
+        assert_eq!(
+            (power(2, 5, true), power(-4, 1, false), power(7, 2, false)),
+            ("500".into(), "10⁻⁴".into(), "2·10⁷".into())
+        );
         assert_eq!(
             (short(-0.00123, 3), short(1500.0, 4), minus("-0.0".into())),
             ("−0.00123".into(), "1500".into(), "0.0".into())

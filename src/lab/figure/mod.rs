@@ -9,7 +9,7 @@ mod svg;
 
 pub use colors::Color;
 pub use font::{Anchor, Type};
-pub use png::{Animation, Raster};
+pub use png::{Animation, MOST, Raster};
 
 use crate::output::create::write_whole;
 use crate::output::error::{Error, Result};

@@ -11,8 +11,8 @@ pub struct Raster {
     pub pixels: Vec<Color>,
 }
 
-/// The most pixels that a figure may have: a poster of a square meter at 300 dpi has half as many.
-const MOST: f64 = 3e8;
+/// The most pixels that a figure may have: a poster of a square meter at 200 dpi. While it is drawn each takes some twenty bytes.
+pub const MOST: f64 = 6.5e7;
 
 impl Figure {
     /// Pixels across and down at so many an inch.

@@ -1,4 +1,5 @@
 //! Which color a particle has, and what the legend says about it.
+use super::legend::{Legend, Named};
 use crate::lab::figure::Color;
 use crate::lab::figure::axis::Quantity;
 use crate::lab::figure::colors::{self, Map};
@@ -203,15 +204,6 @@ impl Span {
     }
 }
 
-/// What a legend says.
-#[derive(Clone, Debug)]
-pub enum Legend {
-    /// Colors, and what each means.
-    Kinds(Vec<(Color, String)>),
-    /// Colors of numbers: which, from where to where, and of what.
-    Bar(Map, Span, Quantity),
-}
-
 /// Colors of all particles, in the order of the frame, and the legend for those that are `shown`. `span` is that of all frames of
 /// the picture.
 pub fn ink(
@@ -224,6 +216,19 @@ pub fn ink(
     let material = |m: usize| colors::MATERIALS[m % colors::MATERIALS.len()];
     let materials = frame.materials();
     let name = |m: usize| scene.materials.get(m).map_or(String::new(), |it| it.name.clone());
+    // those that show nothing, by name
+    let without = |has: &dyn Fn(usize) -> bool| {
+        let mut others: Vec<u16> =
+            (0..materials.len()).filter(|&i| !has(i) && shown(i)).map(|i| materials[i]).collect();
+        others.sort_unstable();
+        others.dedup();
+        let names: Vec<String> = others.iter().map(|m| name(usize::from(*m))).collect();
+        let mut legend: Vec<Named> = Vec::new();
+        legend.extend((!names.is_empty()).then(|| (PLAIN, names.join(", "))));
+        let tools = scene.materials.iter().filter(|it| !it.has_particles());
+        legend.extend(tools.map(|it| (TOOL, it.name.clone())));
+        legend
+    };
     match coloring {
         Coloring::Failure => {
             let failure = scalars(frame, "failure").unwrap_or_default();
@@ -233,17 +238,7 @@ pub fn ink(
             let kinds = palette.colors();
             let color = |i: usize| kind(i).map_or(PLAIN, |kind| kinds[usize::from(kind)]);
             let mut legend: Vec<(Color, String)> = kinds.into_iter().zip(KINDS.map(str::to_owned)).collect();
-            // those that cannot fail, by name
-            let others = (0..materials.len()).filter(|&i| kind(i).is_none() && shown(i));
-            let mut others: Vec<u16> = others.map(|i| materials[i]).collect();
-            others.sort_unstable();
-            others.dedup();
-            if !others.is_empty() {
-                let names: Vec<String> = others.iter().map(|m| name(usize::from(*m))).collect();
-                legend.push((PLAIN, names.join(", ")));
-            }
-            let tools = scene.materials.iter().filter(|it| !it.has_particles());
-            legend.extend(tools.map(|it| (TOOL, it.name.clone())));
+            legend.extend(without(&|i| kind(i).is_some()));
             ((0..frame.particles()).map(color).collect(), Legend::Kinds(legend))
         }
         Coloring::Material => {
@@ -256,8 +251,10 @@ pub fn ink(
                 true => map.at((x - span.low) / (span.high - span.low)),
                 false => PLAIN,
             };
-            let colors = coloring.values(frame).into_iter().map(color).collect();
-            (colors, Legend::Bar(map, span, coloring.quantity(&frame.fields())))
+            let values = coloring.values(frame);
+            let others = without(&|i| values.get(i).is_some_and(|x| x.is_finite()));
+            let colors = values.iter().map(|x| color(*x)).collect();
+            (colors, Legend::Bar(map, span, coloring.quantity(&frame.fields()), others))
         }
     }
 }

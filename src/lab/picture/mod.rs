@@ -2,6 +2,7 @@
 mod canvas;
 mod exit;
 mod ink;
+mod legend;
 mod sheet;
 mod tools;
 pub mod view;
@@ -14,7 +15,7 @@ use super::figure::{Color, Figure, Raster};
 use super::wound::{scalars, spacing};
 use crate::output::frame::Frame;
 use canvas::Canvas;
-use ink::Legend;
+use legend::Legend;
 use scene::Scene;
 use sheet::{Panel, Sheet, Window};
 use std::collections::HashSet;
@@ -33,6 +34,8 @@ pub struct Request {
     pub exit: bool,
     /// What colors show: a row of panels each.
     pub colorings: Vec<Coloring>,
+    /// Materials that are drawn; empty: all.
+    pub only: Vec<usize>,
     /// Colors of failure.
     pub palette: Palette,
     /// From which number to which colors go; none: as particles have them.
@@ -48,7 +51,8 @@ impl Request {
     pub fn section(scene: &Scene, coloring: Coloring) -> Self {
         let (view, cut) = view::section(scene);
         let (palette, width, dpi) = (Palette::default(), 160.0, 160.0);
-        Self { view, cut, exit: false, colorings: vec![coloring], palette, span: None, width, dpi }
+        let only = Vec::new();
+        Self { view, cut, exit: false, colorings: vec![coloring], only, palette, span: None, width, dpi }
     }
 
     /// The surface of exit of a shot; `None` if the scene is none.
@@ -127,6 +131,11 @@ impl Survey {
         }
     }
 
+    /// Whether there is nothing to see.
+    pub fn is_empty(&self) -> bool {
+        self.window.is_none() && self.tools.is_none()
+    }
+
     /// The box that is shown; that of the domain, if there is nothing.
     fn window(&self, request: &Request, scene: &Scene) -> Window {
         let domain = &scene.domain;
@@ -146,15 +155,21 @@ impl Survey {
 }
 
 /// Frames beside one another, a row of them for each coloring.
-pub fn draw(request: &Request, subjects: &[Subject<'_>]) -> Figure {
+///
+/// # Errors
+/// If the figure is too narrow for its legend, or too large.
+pub fn draw(request: &Request, subjects: &[Subject<'_>]) -> Result<Figure, String> {
     let mut survey = Survey::new(request);
     subjects.iter().for_each(|subject| survey.add(request, *subject));
     draw_with(request, &survey, subjects)
 }
 
 /// The same in the window and with the colors of a survey.
-pub fn draw_with(request: &Request, survey: &Survey, subjects: &[Subject<'_>]) -> Figure {
-    let Some(Subject { scene, .. }) = subjects.first() else { return Figure::new([request.width, 1.0]) };
+///
+/// # Errors
+/// As [`draw`].
+pub fn draw_with(request: &Request, survey: &Survey, subjects: &[Subject<'_>]) -> Result<Figure, String> {
+    let Some(Subject { scene, .. }) = subjects.first() else { return Err("there is no frame".into()) };
     let window = survey.window(request, scene);
     let shown: Vec<_> = subjects.iter().map(|subject| balls(request, *subject)).collect();
     let inked = |coloring, span| {
@@ -168,7 +183,7 @@ pub fn draw_with(request: &Request, survey: &Survey, subjects: &[Subject<'_>]) -
     let rows: Vec<(Vec<Vec<Color>>, Vec<Legend>)> = rows.collect();
     let legends: Vec<Option<Legend>> = rows.iter().map(|(_, legends)| legends.last().cloned()).collect();
     let times: Vec<f64> = subjects.iter().map(|subject| subject.frame.time()).collect();
-    let mut sheet = Sheet::new(request, window, &legends, times.len());
+    let mut sheet = Sheet::new(request, window, &legends, times.len())?;
     let rows = rows.iter().zip(&request.colorings).flat_map(|((colors, _), coloring)| {
         let tool = |material: usize| match coloring {
             Coloring::Material => MATERIALS[material % MATERIALS.len()],
@@ -183,7 +198,7 @@ pub fn draw_with(request: &Request, survey: &Survey, subjects: &[Subject<'_>]) -
     let title = if scene.title.is_empty() { &scene.name } else { &scene.title };
     let note = shown.last().map_or("", |(_, note)| *note);
     let note = if note.is_empty() { request.cut.words() } else { note.to_owned() };
-    sheet.finish(title, &note, &times, legends)
+    Ok(sheet.finish(title, &note, &times, legends))
 }
 
 /// The particles that are shown, and what to say of it.
@@ -201,7 +216,9 @@ fn balls(request: &Request, subject: Subject<'_>) -> (Vec<Ball>, &'static str) {
     let ball = |(index, x): (usize, [f32; 3])| {
         let x = x.map(f64::from);
         let light = lights.as_ref().map_or(1.0, |(lights, _)| lights[index]);
-        let shown = light > 0.0 && x.iter().all(|x| x.is_finite()) && request.cut.shows(x, &request.view);
+        let wanted = request.only.is_empty() || request.only.contains(&usize::from(materials[index]));
+        let shown =
+            wanted && light > 0.0 && x.iter().all(|x| x.is_finite()) && request.cut.shows(x, &request.view);
         let size = sizes.get(usize::from(materials[index])).or(sizes.first()).copied().unwrap_or(0.0);
         shown.then(|| Ball {
             of: Of::Particle(index),
@@ -213,7 +230,9 @@ fn balls(request: &Request, subject: Subject<'_>) -> (Vec<Ball>, &'static str) {
     };
     let mut balls: Vec<Ball> = frame.positions().into_iter().enumerate().filter_map(ball).collect();
     let points = tools::points(scene, frame.time(), |x| request.cut.shows(x, &request.view));
-    balls.extend(points.into_iter().map(|(material, x, half)| Ball {
+    let wanted = |material: usize| request.only.is_empty() || request.only.contains(&material);
+    let points = points.into_iter().filter(|(material, ..)| wanted(*material));
+    balls.extend(points.map(|(material, x, half)| Ball {
         of: Of::Tool(material),
         place: request.view.place(x),
         near: view::along(x, request.view.toward),

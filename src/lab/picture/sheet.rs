@@ -1,23 +1,20 @@
 //! The page around the particles: title, time, panels, scale bar, directions and legends.
 use super::Request;
-use super::ink::Legend;
+use super::legend::{self, Legend};
 use super::view::View;
-use crate::lab::figure::axis::{Axis, Scale, round_up, short};
-use crate::lab::figure::{Anchor, Color, Figure, Mark, POINT, Raster, Type};
+use crate::lab::figure::axis::{round_up, short};
+use crate::lab::figure::{Anchor, Color, Figure, MOST, Mark, POINT, Raster, Type};
 
 const MARGIN: f64 = 3.0;
 /// Between panels, and before legends [mm].
 const GAP: f64 = 3.0;
 /// Below panels: scale bar and directions [mm].
 const FOOT: f64 = 11.0;
-/// A bar of colors [mm].
-const BAR: [f64; 2] = [3.2, 38.0];
-/// The widest that a legend gets [mm].
-const WIDEST: f64 = 42.0;
+/// The narrowest that a panel gets [mm].
+const NARROWEST: f64 = 18.0;
 const TITLE: Type = Type::new(9.0).bold();
 const LABEL: Type = Type::new(8.0);
 const SMALL: Type = Type::new(7.0).color(FAINT);
-const TICK: Type = Type::new(7.0);
 const FAINT: Color = [110, 116, 126];
 const LINE: Color = [214, 218, 224];
 
@@ -77,6 +74,10 @@ pub struct Sheet {
     size: [f64; 2],
     /// Columns of panels.
     columns: usize,
+    /// Rows of panels of each coloring.
+    rows: usize,
+    /// Panels of each coloring.
+    frames: usize,
     /// Width of the legends [mm].
     legends: f64,
     /// Height of a row: caption, panel, gap [mm].
@@ -84,40 +85,67 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// A page for `columns` frames of a window, and rows with these legends.
-    pub fn new(request: &Request, window: Window, legends: &[Option<Legend>], columns: usize) -> Self {
-        let wide = legends.iter().flatten().map(width).fold(0.0, f64::max).min(WIDEST);
-        let room = request.width - 2.0 * MARGIN - wide - columns as f64 * GAP;
-        let each = (room / columns.max(1) as f64).max(10.0);
+    /// A page for `frames` frames of a window, and rows with these legends.
+    ///
+    /// # Errors
+    /// If it is too narrow, or has more pixels than a picture can have.
+    pub fn new(
+        request: &Request,
+        window: Window,
+        legends: &[Option<Legend>],
+        frames: usize,
+    ) -> Result<Self, String> {
+        let wide = legends.iter().flatten().map(Legend::width).fold(0.0, f64::max).min(legend::WIDEST);
+        let room = request.width - 2.0 * MARGIN - wide;
+        // as many beside one another as can be looked at, the same number in each row as far as that goes
+        let most = ((room / (NARROWEST + GAP)) as usize).max(1);
+        let rows = frames.max(1).div_ceil(most);
+        let columns = frames.max(1).div_ceil(rows);
+        let each = room / columns as f64 - GAP;
+        if each < NARROWEST {
+            let least = (NARROWEST + GAP + 2.0 * MARGIN + wide).ceil();
+            return Err(format!("with its legend this picture is at least {least} mm wide"));
+        }
         let [across, up] = window.size();
         // no panel is taller than the page is wide, nor a row lower than its legend
         let scale = (each / across).min(0.95 * request.width / up);
         let size = [across * scale, up * scale];
-        let caption = if columns > 1 { LABEL.line_height() } else { 0.0 };
-        let least = legends.iter().flatten().map(height).fold(0.0, f64::max);
+        let caption = if frames > 1 { LABEL.line_height() } else { 0.0 };
+        let least = legends.iter().flatten().map(Legend::height).fold(0.0, f64::max);
         let row = caption + size[1].max(least) + GAP;
         let dots = request.dpi / 25.4;
+        let pixels: f64 = size.iter().map(|mm| mm * dots).product();
+        if pixels * (frames * legends.len().max(1)) as f64 > MOST {
+            let [w, h] = size.map(|mm| (mm * dots).round());
+            return Err(format!(
+                "{frames} frames of {w} x {h} pixels are too many for a picture: ask for fewer dpi"
+            ));
+        }
         let panel = Panel {
             pixels: size.map(|mm| (mm * dots).round().max(1.0) as usize),
             scale: scale * dots,
             window,
         };
         let figure = Figure::new([request.width, 0.0]);
-        Self { figure, panel, view: request.view, size, columns, legends: wide, row }
+        Ok(Self { figure, panel, view: request.view, size, columns, rows, frames, legends: wide, row })
     }
 
-    fn corner(&self, n: usize) -> [f64; 2] {
-        let [column, row] = [n % self.columns, n / self.columns];
-        let caption = if self.columns > 1 { LABEL.line_height() } else { 0.0 };
+    /// Where the panel of a frame is, of the row of a coloring.
+    fn corner(&self, coloring: usize, frame: usize) -> [f64; 2] {
+        let [column, row] = [frame % self.columns, coloring * self.rows + frame / self.columns];
+        let caption = if self.frames > 1 { LABEL.line_height() } else { 0.0 };
         [MARGIN + column as f64 * (self.size[0] + GAP), caption + row as f64 * self.row]
     }
 
     /// Puts panels in rows, with their times where there are several, and dashed lines at planes across axes.
     pub fn panels(&mut self, panels: Vec<Raster>, times: &[f64], planes: &[(usize, f64)]) {
+        let unit = unit(times.iter().copied().fold(0.0, f64::max), &SECONDS);
         for (n, raster) in panels.into_iter().enumerate() {
-            let [x, y] = self.corner(n);
-            if let (true, Some(time)) = (self.columns > 1, times.get(n % self.columns)) {
-                self.figure.text([x, y - 0.3 * LABEL.line_height()], quantity(*time, &SECONDS), LABEL);
+            let (coloring, frame) = (n / self.frames, n % self.frames);
+            let [x, y] = self.corner(coloring, frame);
+            if let (true, Some(time)) = (self.frames > 1, times.get(frame)) {
+                let words = format!("{} {}", short(time / unit.0, 4), unit.1);
+                self.figure.text([x, y - 0.3 * LABEL.line_height()], words, LABEL);
             }
             self.figure.marks.push(Mark::Image { at: [x, y], size: self.size, raster });
             self.figure.frame([x, y], [x + self.size[0], y + self.size[1]], LINE, 0.15);
@@ -140,14 +168,14 @@ impl Sheet {
     /// Adds title, subtitle, time, scale bar, directions and legends.
     pub fn finish(mut self, title: &str, note: &str, times: &[f64], legends: Vec<Option<Legend>>) -> Figure {
         let right = MARGIN + self.columns as f64 * (self.size[0] + GAP);
-        let rows = legends.len();
+        let rows = legends.len() * self.rows;
         for (n, legend) in legends.into_iter().enumerate() {
-            let top = self.corner(n * self.columns)[1];
+            let top = self.corner(n, 0)[1];
             if let Some(legend) = legend {
-                draw(&mut self.figure, [right, top], self.legends, &legend);
+                legend.draw(&mut self.figure, [right, top], self.legends);
             }
         }
-        let foot = (rows as f64 - 1.0) * self.row + self.corner(0)[1] + self.size[1];
+        let foot = (rows as f64 - 1.0) * self.row + self.corner(0, 0)[1] + self.size[1];
         let bottom = (rows as f64 * self.row).max(foot + FOOT);
         self.scale_bar(foot + 0.5 * FOOT);
         self.directions(foot + 0.5 * FOOT);
@@ -166,7 +194,9 @@ impl Sheet {
     /// Title, what is shown of it, and when.
     fn head(&self, title: &str, note: &str, time: &str) -> Figure {
         let width = self.figure.size[0];
-        let room = width - 2.0 * MARGIN - LABEL.width(time) - GAP;
+        // pictures of a film are of one size, whatever the time: it has the room of the longest one
+        let longest = if time.is_empty() { 0.0 } else { LABEL.width("t = 0.0000 ms") };
+        let room = width - 2.0 * MARGIN - longest.max(LABEL.width(time)) - GAP;
         let lines = TITLE.wrap(title, room);
         let mut head = Figure::new([width, 0.0]);
         head.text([width - MARGIN, MARGIN + 0.75 * TITLE.line_height()], time, LABEL.anchor(Anchor::End));
@@ -222,103 +252,14 @@ impl Sheet {
 
 const SECONDS: [(f64, &str); 4] = [(1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")];
 
-/// A number in the first unit that it reaches, else in the last.
-fn quantity(x: f64, units: &[(f64, &str)]) -> String {
+/// The first unit that a number reaches, else the last.
+fn unit<'a>(x: f64, units: &[(f64, &'a str)]) -> (f64, &'a str) {
     let reached = units.iter().find(|unit| x.abs() >= unit.0 * (1.0 - 1e-9));
-    let &(size, name) = if x == 0.0 { &units[0] } else { reached.unwrap_or(&units[units.len() - 1]) };
+    if x == 0.0 { units[0] } else { *reached.unwrap_or(&units[units.len() - 1]) }
+}
+
+/// A number in that unit.
+fn quantity(x: f64, units: &[(f64, &str)]) -> String {
+    let (size, name) = unit(x, units);
     format!("{} {name}", short(x / size, 4))
-}
-
-/// The bar's ticks, with words.
-fn ticks(span: &super::Span, scale: &Scale) -> Vec<(f64, String)> {
-    Axis { from: span.low, to: span.high, log: false }.ticks(5, scale.one)
-}
-
-fn scale(legend: &Legend) -> Scale {
-    match legend {
-        Legend::Bar(_, span, what) => what.scale(span.low.abs().max(span.high.abs())),
-        Legend::Kinds(_) => Scale::ONE,
-    }
-}
-
-/// How wide a legend wants to be [mm].
-fn width(legend: &Legend) -> f64 {
-    match legend {
-        Legend::Kinds(kinds) => 5.0 + kinds.iter().map(|(_, name)| LABEL.width(name)).fold(0.0, f64::max),
-        Legend::Bar(_, span, what) => {
-            let scale = scale(legend);
-            let widest = ticks(span, &scale).iter().map(|(_, words)| TICK.width(words)).fold(0.0, f64::max);
-            let words = what.label(scale);
-            let longest = words.split_whitespace().map(|word| LABEL.width(word)).fold(0.0, f64::max);
-            (BAR[0] + 1.5 + widest).max(longest).max(LABEL.width(&words).min(0.6 * WIDEST))
-        }
-    }
-}
-
-fn height(legend: &Legend) -> f64 {
-    match legend {
-        Legend::Kinds(kinds) => (kinds.len() + 1) as f64 * LABEL.line_height(),
-        Legend::Bar(..) => BAR[1] + 3.0 * LABEL.line_height(),
-    }
-}
-
-fn draw(figure: &mut Figure, [x, top]: [f64; 2], room: f64, legend: &Legend) {
-    let row = LABEL.line_height();
-    match legend {
-        Legend::Kinds(kinds) => {
-            let mut y = top;
-            for (color, name) in kinds {
-                figure.marks.push(Mark::Disc {
-                    center: [x + 1.6, y + 0.5 * row],
-                    radius: 1.3,
-                    color: *color,
-                });
-                for line in LABEL.wrap(name, room - 5.0) {
-                    figure.text([x + 4.5, y + 0.75 * row], line, LABEL);
-                    y += row;
-                }
-            }
-        }
-        Legend::Bar(map, span, what) => {
-            let scale = scale(legend);
-            let mut y = top;
-            for line in LABEL.wrap(&what.label(scale.clone()), room) {
-                figure.text([x, y + 0.75 * row], line, LABEL);
-                y += row;
-            }
-            y += 1.2;
-            bar(figure, [x, y], span, |t| map.at(t), &ticks(span, &scale));
-        }
-    }
-}
-
-/// Colors from low at the bottom to high at the top, with an arrow where there are numbers beyond.
-fn bar(
-    figure: &mut Figure,
-    [x, top]: [f64; 2],
-    span: &super::Span,
-    color: impl Fn(f64) -> Color,
-    ticks: &[(f64, String)],
-) {
-    const STEPS: usize = 64;
-    let [width, height] = BAR;
-    let y = |t: f64| top + (1.0 - t) * height;
-    for n in 0..STEPS {
-        let [from, to] = [n, n + 1].map(|n| n as f64 / STEPS as f64);
-        // no seams
-        let overlap = if n + 1 < STEPS { 0.1 } else { 0.0 };
-        figure.fill([x, y(to) - overlap], [x + width, y(from)], color(0.5 * (from + to)));
-    }
-    for (end, t, sign) in [(0, 0.0, 1.0), (1, 1.0, -1.0)] {
-        if span.beyond[end] {
-            let (base, tip) = (y(t), y(t) + 2.0 * sign);
-            let points = vec![[x, base], [x + width, base], [x + 0.5 * width, tip]];
-            figure.marks.push(Mark::Area { points, color: color(t) });
-        }
-    }
-    for (value, words) in ticks {
-        let at = y((value - span.low) / (span.high - span.low));
-        figure.line(&[[x + width, at], [x + width + 0.8, at]], FAINT, 0.2);
-        figure.text([x + width + 1.5, at + 0.35 * TICK.size * POINT], words, TICK);
-    }
 }

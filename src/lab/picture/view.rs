@@ -1,6 +1,6 @@
 //! From where one looks, and what is cut away.
 use crate::lab::wound::lateral;
-use scene::Scene;
+use scene::{Body, Scene};
 
 /// A direction to look from: without perspective.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,8 +111,8 @@ impl Cut {
     }
 }
 
-/// The section that tells most of a scene: along the flight of a shot, through the point of entry; else across the thinnest axis
-/// of the domain, through its middle.
+/// The section that tells most of a scene: along the flight of a shot, through the point of entry; else through the middle of the body
+/// that begins fastest, along its way; else across the thinnest axis of the domain, through its middle.
 pub fn section(scene: &Scene) -> (View, Cut) {
     let domain = &scene.domain;
     let half = 0.5 * domain.cell;
@@ -120,8 +120,20 @@ pub fn section(scene: &Scene) -> (View, Cut) {
         let [_, normal] = lateral(wound.axis);
         return (View::of_shot(wound.axis, wound.direction), Cut::Slice(normal, wound.center[1], half));
     }
-    let thinnest = (0..3).rev().min_by_key(|&a| domain.cells[a]).unwrap_or(2);
-    (across(thinnest), Cut::Slice(thinnest, middle(scene, thinnest), half))
+    let speed = |body: &Body| along(body.velocity, body.velocity).sqrt();
+    let fastest =
+        scene.bodies.iter().max_by(|a, b| speed(a).total_cmp(&speed(b))).filter(|body| speed(body) > 0.0);
+    // what flies along an axis is not cut across it
+    let flies = |a: usize| fastest.is_some_and(|body| body.velocity[a].abs() > 0.5 * speed(body));
+    let axes = (0..3).rev().filter(|&a| !flies(a));
+    let thinnest = axes.min_by_key(|&a| domain.cells[a]).unwrap_or(2);
+    let center = fastest.map(|body| {
+        let (lower, upper) = body.solid.bounds();
+        0.5 * (lower[thinnest] + upper[thinnest])
+    });
+    let (low, high) = (domain.lower[thinnest], 2.0 * middle(scene, thinnest) - domain.lower[thinnest]);
+    let at = center.filter(|at| (low..high).contains(at)).unwrap_or_else(|| middle(scene, thinnest));
+    (across(thinnest), Cut::Slice(thinnest, at, half))
 }
 
 /// A section across an axis, with the first of the others to the right.

@@ -60,17 +60,31 @@ impl Due {
         let here = |period: &&Period| (period.from..period.to).contains(&time);
         let every = output.periods.iter().rev().filter(here).find_map(|period| period.history_every);
         let row = steps.is_multiple_of(every.unwrap_or(output.history_every).max(1));
-        let own =
-            |probe: &Probe| probe.interval.is_some_and(|every| passed(time, every) > passed(before, every));
+        let own = |probe: &Probe| {
+            probe.interval.is_some_and(|every| begun([before, time], every, |time| passed(time, every)))
+        };
         let probes = scene.probes.iter().enumerate().filter(|(_, probe)| !row && own(probe));
         let frames = output.frames > 0;
         Self {
             row,
             probes: probes.map(|(number, _)| number).collect(),
             frame: frames && frame(time, number, scene),
-            extra: frames
-                && output.periods.iter().any(|period| begins(period, time) > begins(period, before)),
+            extra: frames && output.periods.iter().any(|period| starts(period, [before, time])),
         }
+    }
+}
+
+/// Whether an interval has begun between two times: of those that are shorter than a step, and may be too many to count, one has.
+fn begun([before, time]: [f64; 2], every: f64, count: impl Fn(f64) -> usize) -> bool {
+    time - before >= every || count(time) > count(before)
+}
+
+/// Whether a period has a frame after a step between two times.
+fn starts(period: &Period, [before, time]: [f64; 2]) -> bool {
+    let inside = period.from <= before && time < period.to;
+    match period.frames_every {
+        Some(every) if inside => begun([before, time], every, |time| begins(period, time)),
+        _ => begins(period, time) > begins(period, before),
     }
 }
 
