@@ -252,7 +252,11 @@ fn a_wound_is_not_measured_where_failure_is_not_shown() {
 fn check_predicts_without_running() {
     let output = sinew(&["check", "problems/slab-quick"]);
     let words = words(&output);
-    let more = ["21 frames (at most one a step) of up to", "thinnest slab: 6.0 cells across", "displacement, velocity"];
+    let more = [
+        "21 frames (at most one a step) of up to",
+        "thinnest slab: 6.0 cells across",
+        "displacement, velocity",
+    ];
     for word in ["27648 particles", "memory", "wall time", "steps"].into_iter().chain(more) {
         assert!(words.contains(word), "{words}");
     }

@@ -252,7 +252,9 @@ pub fn ink(
                 false => PLAIN,
             };
             let values = coloring.values(frame);
-            let others = without(&|i| values.get(i).is_some_and(|x| x.is_finite()));
+            let mut others = without(&|i| values.get(i).is_some_and(|x| x.is_finite()));
+            let plain = others.iter_mut().filter(|(color, _)| *color == PLAIN);
+            plain.for_each(|(_, name)| *name = format!("no value: {name}"));
             let colors = values.iter().map(|x| color(*x)).collect();
             (colors, Legend::Bar(map, span, coloring.quantity(&frame.fields()), others))
         }

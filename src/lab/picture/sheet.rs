@@ -82,6 +82,8 @@ pub struct Sheet {
     legends: f64,
     /// Height of a row: caption, panel, gap [mm].
     row: f64,
+    /// Height of the rows of a coloring, beside its legend [mm].
+    block: f64,
 }
 
 impl Sheet {
@@ -107,12 +109,13 @@ impl Sheet {
             return Err(format!("with its legend this picture is at least {least} mm wide"));
         }
         let [across, up] = window.size();
-        // no panel is taller than the page is wide, nor a row lower than its legend
+        // no panel is taller than the page is wide, nor the rows of a coloring lower than its legend
         let scale = (each / across).min(0.95 * request.width / up);
         let size = [across * scale, up * scale];
         let caption = if frames > 1 { LABEL.line_height() } else { 0.0 };
         let least = legends.iter().flatten().map(Legend::height).fold(0.0, f64::max);
-        let row = caption + size[1].max(least) + GAP;
+        let row = caption + size[1] + GAP;
+        let block = (rows as f64 * row).max(caption + least);
         let dots = request.dpi / 25.4;
         let pixels: f64 = size.iter().map(|mm| mm * dots).product();
         if pixels * (frames * legends.len().max(1)) as f64 > MOST {
@@ -127,14 +130,15 @@ impl Sheet {
             window,
         };
         let figure = Figure::new([request.width, 0.0]);
-        Ok(Self { figure, panel, view: request.view, size, columns, rows, frames, legends: wide, row })
+        Ok(Self { figure, panel, view: request.view, size, columns, rows, frames, legends: wide, row, block })
     }
 
     /// Where the panel of a frame is, of the row of a coloring.
     fn corner(&self, coloring: usize, frame: usize) -> [f64; 2] {
-        let [column, row] = [frame % self.columns, coloring * self.rows + frame / self.columns];
+        let [column, row] = [frame % self.columns, frame / self.columns];
         let caption = if self.frames > 1 { LABEL.line_height() } else { 0.0 };
-        [MARGIN + column as f64 * (self.size[0] + GAP), caption + row as f64 * self.row]
+        let top = caption + coloring as f64 * self.block + row as f64 * self.row;
+        [MARGIN + column as f64 * (self.size[0] + GAP), top]
     }
 
     /// Puts panels in rows, with their times where there are several, and dashed lines at planes across axes.
@@ -168,15 +172,15 @@ impl Sheet {
     /// Adds title, subtitle, time, scale bar, directions and legends.
     pub fn finish(mut self, title: &str, note: &str, times: &[f64], legends: Vec<Option<Legend>>) -> Figure {
         let right = MARGIN + self.columns as f64 * (self.size[0] + GAP);
-        let rows = legends.len() * self.rows;
+        let colorings = legends.len();
         for (n, legend) in legends.into_iter().enumerate() {
             let top = self.corner(n, 0)[1];
             if let Some(legend) = legend {
                 legend.draw(&mut self.figure, [right, top], self.legends);
             }
         }
-        let foot = (rows as f64 - 1.0) * self.row + self.corner(0, 0)[1] + self.size[1];
-        let bottom = (rows as f64 * self.row).max(foot + FOOT);
+        let foot = self.corner(colorings.saturating_sub(1), self.columns * (self.rows - 1))[1] + self.size[1];
+        let bottom = (colorings as f64 * self.block).max(foot + FOOT);
         self.scale_bar(foot + 0.5 * FOOT);
         self.directions(foot + 0.5 * FOOT);
         self.figure.size[1] = bottom + MARGIN;
