@@ -63,7 +63,7 @@ impl Type {
     /// How long a text is [mm].
     pub fn width(&self, text: &str) -> f64 {
         let advances = if self.bold { &FONTS.advances[1] } else { &FONTS.advances[0] };
-        let units: f64 = text.chars().map(|c| advances(c)).sum();
+        let units: f64 = text.chars().map(advances).sum();
         units * self.size * POINT
     }
 
