@@ -29,7 +29,7 @@ pub struct Args {
     /// panels each, if it is given several times
     #[arg(long, value_name = "NAME")]
     field: Vec<String>,
-    /// A section one cell thick across an axis, through the middle of the domain or at a place: z, or "y=2 mm". With --view, what
+    /// A section one cell thick across an axis, through the middle of the domain or at a place: z, z=0, or "y=2 mm". With --view, what
     /// is before the plane is cut away
     #[arg(long, value_name = "AXIS[=PLACE]")]
     plane: Option<String>,
@@ -241,7 +241,12 @@ fn plane_of(text: &str, scene: &Scene) -> Result<(usize, f64), Failure> {
             "--plane {text}: name an axis and a place on it, for example \"y=2 mm\""
         )));
     };
-    let at = at.map(|at| length(at.trim(), "--plane")).transpose()?;
+    // as in a scene, a bare number is in meters
+    let meters = |at: &str| match at.trim().parse::<f64>().ok().filter(|at| at.is_finite()) {
+        Some(at) => Ok(at),
+        None => length(at.trim(), "--plane"),
+    };
+    let at = at.map(meters).transpose()?;
     Ok((axis, at.unwrap_or_else(|| view::middle(scene, axis))))
 }
 

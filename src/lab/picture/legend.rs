@@ -4,8 +4,10 @@ use crate::lab::figure::axis::{Axis, Quantity, Scale};
 use crate::lab::figure::colors::Map;
 use crate::lab::figure::{Color, Figure, Mark, POINT, Type};
 
-/// A bar of colors [mm].
-const BAR: [f64; 2] = [3.2, 38.0];
+/// Width of a bar of colors [mm].
+const BAR: f64 = 3.2;
+/// The lowest and the highest bar [mm].
+const HEIGHTS: [f64; 2] = [16.0, 38.0];
 /// The widest that a legend gets [mm].
 pub const WIDEST: f64 = 42.0;
 const LABEL: Type = Type::new(8.0);
@@ -45,21 +47,31 @@ impl Legend {
                 let words = what.label(scale);
                 let longest =
                     words.split_whitespace().map(|word| LABEL.width(word)).fold(named(others), f64::max);
-                (BAR[0] + 1.5 + widest).max(longest).max(LABEL.width(&words).min(0.6 * WIDEST))
+                (BAR + 1.5 + widest).max(longest).max(LABEL.width(&words).min(0.6 * WIDEST))
             }
         }
     }
 
-    /// How high it is [mm].
-    pub fn height(&self) -> f64 {
+    /// How high it is beside something so high [mm].
+    pub fn height(&self, beside: f64) -> f64 {
         match self {
             Legend::Kinds(kinds) => (kinds.len() + 1) as f64 * LABEL.line_height(),
-            Legend::Bar(_, _, _, others) => BAR[1] + (others.len() + 4) as f64 * LABEL.line_height(),
+            Legend::Bar(..) => self.bar(beside) + self.around(),
         }
     }
 
-    /// Draws it from its upper left corner, `room` wide [mm].
-    pub fn draw(&self, figure: &mut Figure, [x, top]: [f64; 2], room: f64) {
+    /// What is above and below the bar [mm]: two lines of words, and names.
+    fn around(&self) -> f64 {
+        let names = if let Legend::Bar(_, _, _, others) = self { others.len() } else { 0 };
+        (names as f64 + 3.0) * LABEL.line_height()
+    }
+
+    fn bar(&self, beside: f64) -> f64 {
+        (beside - self.around()).clamp(HEIGHTS[0], HEIGHTS[1])
+    }
+
+    /// Draws it from its upper left corner, `room` wide and beside something so high [mm].
+    pub fn draw(&self, figure: &mut Figure, [x, top]: [f64; 2], [room, beside]: [f64; 2]) {
         let row = LABEL.line_height();
         match self {
             Legend::Kinds(kinds) => names(figure, [x, top], room, kinds),
@@ -71,8 +83,9 @@ impl Legend {
                     y += row;
                 }
                 y += 1.2;
-                bar(figure, [x, y], span, |t| map.at(t), &ticks(span, &scale));
-                names(figure, [x, y + BAR[1] + 0.8 * row], room, others);
+                let height = self.bar(beside);
+                bar(figure, ([x, y], height), span, |t| map.at(t), &ticks(span, &scale));
+                names(figure, [x, y + height + 0.8 * row], room, others);
             }
         }
     }
@@ -98,13 +111,13 @@ fn names(figure: &mut Figure, [x, mut y]: [f64; 2], room: f64, kinds: &[Named]) 
 /// Colors from low at the bottom to high at the top, with an arrow where there are numbers beyond.
 fn bar(
     figure: &mut Figure,
-    [x, top]: [f64; 2],
+    ([x, top], height): ([f64; 2], f64),
     span: &Span,
     color: impl Fn(f64) -> Color,
     ticks: &[(f64, String)],
 ) {
     const STEPS: usize = 64;
-    let [width, height] = BAR;
+    let width = BAR;
     let y = |t: f64| top + (1.0 - t) * height;
     for n in 0..STEPS {
         let [from, to] = [n, n + 1].map(|n| n as f64 / STEPS as f64);

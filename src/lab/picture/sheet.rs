@@ -113,7 +113,11 @@ impl Sheet {
         let scale = (each / across).min(0.95 * request.width / up);
         let size = [across * scale, up * scale];
         let caption = if frames > 1 { LABEL.line_height() } else { 0.0 };
-        let least = legends.iter().flatten().map(Legend::height).fold(0.0, f64::max);
+        let least = legends
+            .iter()
+            .flatten()
+            .map(|legend| legend.height(rows as f64 * (caption + size[1] + GAP)))
+            .fold(0.0, f64::max);
         let row = caption + size[1] + GAP;
         let block = (rows as f64 * row).max(caption + least);
         let dots = request.dpi / 25.4;
@@ -176,7 +180,8 @@ impl Sheet {
         for (n, legend) in legends.into_iter().enumerate() {
             let top = self.corner(n, 0)[1];
             if let Some(legend) = legend {
-                legend.draw(&mut self.figure, [right, top], self.legends);
+                let beside = self.rows as f64 * self.row;
+                legend.draw(&mut self.figure, [right, top], [self.legends, beside]);
             }
         }
         let foot = self.corner(colorings.saturating_sub(1), self.columns * (self.rows - 1))[1] + self.size[1];
