@@ -6,7 +6,7 @@ use super::fields::FACES;
 use super::meetings::{contacts, drives, forces, motion};
 use super::moved::RIGID;
 use super::probes::probes;
-use super::references;
+use super::references::{self, material_index};
 use super::shapes::{solid, unit_vector};
 use physics::faces::AnyFaceCondition;
 use physics::{faces, materials};
@@ -155,10 +155,6 @@ fn rigid_motion(name: &str, given: &Node) -> Outcome<RigidMotion> {
         _ => Err(Fault::new(spin.place, format!("`material.{name}.angular-velocity` is given in time"))
             .help("a free body has one at the start: give one vector, or set `motion = \"prescribed\"`")),
     }
-}
-
-pub(super) fn material_index(given: &Node, materials: &[Material]) -> Outcome<usize> {
-    references::material(given, materials.iter().map(|material| material.name.as_str()))
 }
 
 fn body(given: &Node, materials: &[Material]) -> Outcome<Body> {

@@ -1,10 +1,10 @@
 //! Contacts, drives and forces of a completed document: who meets whom, what moves as prescribed, and what is pushed.
-use super::build::material_index;
 use super::choose;
 use super::document::{Node, dotted};
 use super::error::{Fault, Outcome, all};
 use super::moved::SIDES;
 use super::references;
+use super::references::material_index;
 use super::shapes::solid;
 use physics::contact::{self, ContactLaw};
 use physics::table::Table;

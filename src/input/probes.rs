@@ -1,9 +1,9 @@
 //! `[[probe]]`: what is followed in time.
-use super::build::material_index;
 use super::document::Node;
 use super::error::{Fault, Outcome, all};
 use super::form::{Field, Form, positive};
 use super::meetings::{name, region, unique};
+use super::references::material_index;
 use super::shapes::SHAPE;
 use super::shown::one;
 use physics::parameter::Dimension;

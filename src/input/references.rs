@@ -2,6 +2,7 @@
 //! from being built.
 use super::document::{Data, Node};
 use super::error::{Fault, Outcome, all, suggestion};
+use scene::Material;
 
 /// Whether all materials and bodies that are named are there.
 pub(super) fn check(root: &Node) -> Outcome<()> {
@@ -31,6 +32,11 @@ fn is_text(node: &&Node) -> bool {
 
 fn text<'a>(node: &'a Node, key: &str) -> Option<&'a Node> {
     node.find(key).filter(is_text)
+}
+
+/// The index of a material of the scene.
+pub(super) fn material_index(given: &Node, materials: &[Material]) -> Outcome<usize> {
+    material(given, materials.iter().map(|material| material.name.as_str()))
 }
 
 /// The number of a material among all.

@@ -4,7 +4,7 @@ use physics::motion::Course;
 use scene::geometry::Solid;
 use scene::*;
 use sinew::lab::figure::{Figure, Format, Raster, colors};
-use sinew::lab::picture::{Coloring, Cut, Part, Request, Span, Subject, Survey, View, draw, draw_with};
+use sinew::lab::picture::{Coloring, Cut, Part, Request, Subject, Survey, View, draw, draw_with};
 use sinew::lab::wound;
 use sinew::output::frame::Field;
 use sinew::output::frame::Frame;
@@ -351,7 +351,7 @@ fn a_few_numbers_far_out_do_not_hide_the_others() {
         values,
     )];
     let coloring = Coloring::named("von_mises", &frame.fields()).unwrap();
-    let span = Span::of(&coloring, &frame, 0..count);
+    let span = coloring.span(&frame, 0..count);
     assert_eq!((span.low, span.beyond), (0.0, [false, true]));
     assert!((900.0..=1000.0).contains(&span.high), "{span:?}");
     let refused = |name: &str| Coloring::named(name, &frame.fields()).unwrap_err();

@@ -5,6 +5,7 @@ mod check;
 mod compare;
 #[cfg(test)]
 mod documented;
+mod drawing;
 mod ending;
 mod export;
 mod fail;

@@ -1,7 +1,7 @@
 //! Films of a run: one window and one range of colors for all frames.
+use super::drawing::{Run, refuse_nothing};
 use super::fail::Failure;
 use super::folder::refuse_result;
-use super::picture::{Run, refuse_nothing};
 use sinew::lab::figure::{Animation, Figure, Raster};
 use sinew::lab::picture::{Request, Survey, draw_with};
 use sinew::output::io;

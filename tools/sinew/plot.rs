@@ -1,7 +1,7 @@
 //! `sinew plot`: columns of a run's history as a picture.
+use super::drawing::length;
 use super::fail::Failure;
 use super::folder::refuse_result;
-use super::picture::length;
 use sinew::lab::figure::axis::Quantity;
 use sinew::lab::figure::{Figure, Format};
 use sinew::lab::overview;

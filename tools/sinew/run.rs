@@ -7,7 +7,7 @@ use super::ranks::Crew;
 use super::say::{say, tell};
 use super::stop::Stop;
 use super::voice::{Voice, event};
-use super::{ending, folder, picture, ranks, restart, wound};
+use super::{drawing, ending, folder, ranks, restart, wound};
 use engine::exec::recorder;
 use scene::Scene;
 use sinew::input::Written;
@@ -98,7 +98,7 @@ fn show(scene: &Scene, folder: &Path, voice: Voice) -> Result<(), Failure> {
             (None, _) | (_, Voice::Json) => Ok(()),
             _ => wound::print(folder),
         };
-        for picture in picture::draw(folder)? {
+        for picture in drawing::draw(folder)? {
             match voice {
                 Voice::Json => event("picture", serde_json::json!({ "path": picture.display().to_string() })),
                 _ => say!("picture        {}", picture.display()),

@@ -5,7 +5,7 @@
 //! the beginning; what comes after they are full is counted and left out. The sums cost a reading of a counter a block: 33 ns, of the 10 000 or
 //! more that a stage takes on a full one.
 use super::spent::Spent;
-use super::trace::Event;
+use super::trace::{Event, JOINED};
 use simd::ticks;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -30,9 +30,6 @@ struct Worker {
     /// Waiting in the piece of work that goes on.
     waited: u64,
 }
-
-/// Gaps that are not worth an event [ticks]: some microseconds.
-pub(super) const JOINED: u64 = 5_000;
 
 /// Events that a worker may record, if nobody says otherwise: 80 bytes each.
 pub const BOUND: usize = 1 << 18;

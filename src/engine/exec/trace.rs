@@ -1,5 +1,4 @@
 //! What a worker of a run is busy with: events, which a [`Recorder`](super::recorder::Recorder) takes down.
-use super::recorder::JOINED;
 use crate::graph::phase::Stage;
 
 /// What a worker was busy with.
@@ -46,6 +45,9 @@ impl Kind {
         }
     }
 }
+
+/// Gaps that are not worth an event [ticks]: some microseconds.
+pub(super) const JOINED: u64 = 5_000;
 
 /// Stands for all, for none, or for the end of a tick.
 pub const NONE: u32 = u32::MAX;

@@ -1,5 +1,5 @@
 //! What colors mean, beside the panels.
-use super::ink::Span;
+use super::span::Span;
 use crate::lab::figure::axis::{Axis, Quantity, Scale};
 use crate::lab::figure::colors::Map;
 use crate::lab::figure::{Color, Figure, Mark, POINT, Type};

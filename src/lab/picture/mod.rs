@@ -4,10 +4,12 @@ mod exit;
 mod ink;
 mod legend;
 mod sheet;
+mod span;
 mod tools;
 pub mod view;
 
-pub use ink::{Coloring, Palette, Part, Span};
+pub use ink::{Coloring, Palette, Part};
+pub use span::Span;
 pub use view::{Cut, View};
 
 use super::figure::colors::{MATERIALS, TOOL, shade};
@@ -123,7 +125,7 @@ impl Survey {
             *window = window.with(ball.place, ball.radius);
         }
         for (span, coloring) in self.spans.iter_mut().zip(&request.colorings) {
-            let own = Span::of(coloring, subject.frame, balls.iter().filter_map(Ball::particle));
+            let own = coloring.span(subject.frame, balls.iter().filter_map(Ball::particle));
             *span = match request.span {
                 Some([low, high]) => Span { low, high, beyond: [own.low < low, own.high > high] },
                 None => span.with(own),
