@@ -69,9 +69,12 @@ enum Colors {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let one = args.frame.as_ref().is_none_or(|list| !list.contains([',', '-']));
-    let plain = args.field.is_empty() && args.plane.is_none() && args.view.is_none() && args.out.is_none();
+    let given = [&args.plane, &args.view, &args.range].into_iter().any(Option::is_some)
+        || [&args.field, &args.material].into_iter().any(|all| !all.is_empty())
+        || args.out.is_some()
+        || args.movie.is_some();
     let run = Run::open(&args.dir)?;
-    if plain && one && args.movie.is_none() {
+    if one && !given {
         let frame = args.frame.as_ref().map(|list| numbers(list, run.reader.frames())).transpose()?;
         for path in run.standard(frame.and_then(|all| all.first().copied()), |request| args.style(request))? {
             println!("{}", path.display());
@@ -80,7 +83,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     let request = args.request(&run)?;
     let written = match &args.movie {
-        Some(file) => super::movie::write(&run, &request, &args.frames(&run, "")?, file, args.rate)?,
+        Some(file) => super::movie::write(
+            &run,
+            &request,
+            &args.frames(&run, &format!("0-{}", run.reader.frames() - 1))?,
+            file,
+            args.rate,
+        )?,
         None => {
             let file = args.out.clone().unwrap_or_else(|| args.dir.join("picture.png"));
             refuse_result(&file)?;
@@ -100,13 +109,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 }
 
 impl Args {
-    /// The frames that are wanted; `else_` those if none are named, all if that is empty.
-    fn frames(&self, run: &Run, else_: &str) -> Result<Vec<usize>, Failure> {
-        match (self.frame.as_deref(), else_) {
-            (Some(list), _) => numbers(list, run.reader.frames()),
-            (None, "") => Ok((0..run.reader.frames()).collect()),
-            (None, list) => numbers(list, run.reader.frames()),
-        }
+    /// The frames that are wanted; those of `usual`, if none are named.
+    fn frames(&self, run: &Run, usual: &str) -> Result<Vec<usize>, Failure> {
+        numbers(self.frame.as_deref().unwrap_or(usual), run.reader.frames())
     }
 
     fn request(&self, run: &Run) -> Result<Request, Failure> {
@@ -115,35 +120,7 @@ impl Args {
         if colorings.is_empty() {
             colorings.push(Coloring::of(&run.reader.frame(0)?));
         }
-        let section = Request::section(&run.scene, Coloring::Material);
-        let (mut view, mut cut) = (section.view, section.cut);
-        let side = self.view.as_deref().map(|name| {
-            View::named(name).ok_or_else(|| {
-                Failure::usage(format!(
-                    "there is no side {name:?}: look from +x, -x, +y, -y, +z, -z or corner"
-                ))
-            })
-        });
-        let side = side.transpose()?;
-        if let Some(plane) = &self.plane {
-            let (axis, at) = plane_of(plane, &run.scene)?;
-            (view, cut) = (view::across(axis), Cut::Slice(axis, at, 0.5 * run.scene.domain.cell));
-            if side.is_some() {
-                cut = Cut::Behind(axis, at);
-            }
-        } else if side.is_some() {
-            cut = Cut::None;
-        }
-        if let Some(side) = side {
-            view = side;
-        }
-        if let Cut::Behind(axis, _) = cut
-            && view.toward[axis].abs() < 1e-9
-        {
-            return Err(Failure::usage(
-                "--view looks along the plane: look from a side of it, or leave --view out",
-            ));
-        }
+        let (view, cut) = self.sight(&run.scene)?;
         let material = |name: &String| {
             run.scene.materials.iter().position(|it| it.name == *name).ok_or_else(|| {
                 let all: Vec<&str> = run.scene.materials.iter().map(|it| it.name.as_str()).collect();
@@ -152,14 +129,35 @@ impl Args {
         };
         let only = self.material.iter().map(material).collect::<Result<_, _>>()?;
         let span = match (&self.range, &colorings[..]) {
-            (None, _) => None,
-            (Some(_), [_, _, ..]) => {
+            (Some(text), [one]) => Some(range(text, &one.quantity(run.reader.fields()).unit)?),
+            (Some(_), _) => {
                 return Err(Failure::usage("--range is of one field: draw the others by themselves"));
             }
-            (Some(text), [coloring, ..]) => Some(range(text, &coloring.quantity(run.reader.fields()).unit)?),
-            (Some(_), []) => None,
+            (None, _) => None,
         };
+        let section = Request::section(&run.scene, Coloring::Material);
         self.style(Request { view, cut, colorings, only, span, ..section })
+    }
+
+    /// From where one looks, and what is cut away.
+    fn sight(&self, scene: &Scene) -> Result<(View, Cut), Failure> {
+        let named = |name: &str| {
+            let problem = format!("there is no side {name:?}: look from +x, -x, +y, -y, +z, -z or corner");
+            View::named(name).ok_or_else(|| Failure::usage(problem))
+        };
+        let side = self.view.as_deref().map(named).transpose()?;
+        let plane = self.plane.as_deref().map(|plane| plane_of(plane, scene)).transpose()?;
+        match (side, plane) {
+            (None, None) => Ok(view::section(scene)),
+            (Some(side), None) => Ok((side, Cut::None)),
+            (None, Some((axis, at))) => {
+                Ok((view::across(axis), Cut::Slice(axis, at, 0.5 * scene.domain.cell)))
+            }
+            (Some(side), Some((axis, _))) if side.toward[axis].abs() < 1e-9 => Err(Failure::usage(
+                "--view looks along the plane: look from a side of it, or leave --view out",
+            )),
+            (Some(side), Some((axis, at))) => Ok((side, Cut::Behind(axis, at))),
+        }
     }
 
     /// The same with the size and the colors that are wanted.

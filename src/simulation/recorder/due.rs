@@ -166,6 +166,15 @@ mod tests {
     }
 
     #[test]
+    fn intervals_shorter_than_a_step_begin_with_every_step() {
+        let due = |every: f64| begun([1e-3, 2e-3], every, |time| passed(time, every));
+        assert!(due(1e-3) && due(1e-20) && due(1e-300) && due(f64::MIN_POSITIVE));
+        assert!(!due(3e-3));
+        let period = Period { from: 0.0, to: 1.5e-3, frames_every: Some(1e-300), history_every: None };
+        assert!(starts(&period, [0.0, 1e-3]) && !starts(&period, [2e-3, 3e-3]));
+    }
+
+    #[test]
     fn the_clock_counts_from_the_last_one() {
         let wanted = Checkpoint { wall: 1e-9, ..NEVER };
         let mut checkpoints = Checkpoints::begin(0.0, &wanted);
