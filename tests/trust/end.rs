@@ -83,7 +83,8 @@ fn what_becomes_of_particles_that_leave_may_be_decided_anew() {
     // it has asked for no checkpoint, and leaves one of shortly before
     let (failed, last) = (summary(&out), checkpoint::list(&out));
     assert!(
-        words(&output).contains("left the domain") && words(&output).contains("last state before"),
+        words(&output).contains("left the domain")
+            && words(&output).contains("last checkpoint before is of step"),
         "{}",
         words(&output)
     );
