@@ -230,6 +230,17 @@ mod tests {
     }
 
     #[test]
+    fn text_is_cut_between_words_and_only_then_in_them() {
+        let font = Type::new(8.0);
+        let text = "short words and aWordThatIsMuchLongerThanTheRoomThatThereIs, then some";
+        let lines = font.wrap(text, 20.0);
+        assert!(lines.iter().all(|line| font.width(line) <= 20.0), "{lines:?}");
+        assert_eq!(lines.concat().replace(' ', ""), text.replace(' ', ""));
+        assert_eq!(font.wrap("one two", 1e3), ["one two"]);
+        assert_eq!(font.wrap("ab", 0.1), ["a", "b"]);
+    }
+
+    #[test]
     fn names_are_text_and_pixels_show_the_lines() -> Result<(), String> {
         let figure = plot().draw(85.0);
         let svg = figure.to_svg()?;

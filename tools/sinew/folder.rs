@@ -30,7 +30,9 @@ pub fn begin(args: &RunArgs, scene: &Path, name: &str, network: &mut dyn Network
 /// For a run that goes on.
 pub fn resume(folder: &Path, network: &mut dyn Network) -> Result<Taken, Failure> {
     let choose = || match folder.is_dir() {
-        true => Ok((folder.to_owned(), take(folder)?)),
+        true => {
+            Ok((folder.to_owned(), take(folder, "copy the run to where you may write, and go on there")?))
+        }
         false => Err(Failure::usage(format!(
             "there is no folder {}: name that of a run that left a checkpoint",
             folder.display()
@@ -76,8 +78,8 @@ fn first_free(name: &str, scene: &Path, force: bool) -> Result<(PathBuf, Claim),
 fn claim(folder: &Path, scene: &Path, force: bool) -> Result<Claim, Failure> {
     refuse_scene(folder, scene)?;
     refuse_held(folder, force)?;
-    std::fs::create_dir_all(folder).map_err(|error| not_writable(folder, &error))?;
-    let claim = take(folder)?;
+    std::fs::create_dir_all(folder).map_err(|error| not_writable(folder, &error, ELSEWHERE))?;
+    let claim = take(folder, ELSEWHERE)?;
     // another run may have come and gone in the meantime
     refuse_held(folder, force)?;
     Ok(claim)
@@ -94,15 +96,19 @@ pub fn refuse_result(file: &Path) -> Result<(), Failure> {
     }
 }
 
-fn take(folder: &Path) -> Result<Claim, Failure> {
+/// What helps a run whose folder cannot be written.
+const ELSEWHERE: &str = "choose another folder with --out";
+
+/// Takes a folder; `remedy` is what helps, if it cannot be written.
+fn take(folder: &Path, remedy: &str) -> Result<Claim, Failure> {
     Claim::take(folder).map_err(|error| match error {
-        Error::Io { source, .. } => not_writable(folder, &source),
+        Error::Io { source, .. } => not_writable(folder, &source, remedy),
         taken => Failure::Taken(taken.to_string()),
     })
 }
 
-fn not_writable(folder: &Path, error: &std::io::Error) -> Failure {
-    Failure::usage(format!("cannot write to {}: {error}; choose another folder with --out", folder.display()))
+fn not_writable(folder: &Path, error: &std::io::Error, remedy: &str) -> Failure {
+    Failure::usage(format!("cannot write to {}: {error}; {remedy}", folder.display()))
 }
 
 fn refuse_held(folder: &Path, force: bool) -> Result<(), Failure> {

@@ -53,8 +53,9 @@ pub fn print(folder: &Path) -> Result<(), Failure> {
 
 fn report(folder: &Path, frame: Option<usize>) -> Result<Report, Failure> {
     let shown = load(folder, frame)?;
-    let first: Option<&dyn Frame> = shown.first.as_ref().map(|first| first as &dyn Frame);
-    measure(&shown.scene, first, &shown.frame).map_err(|error| match error {
+    // of the first frame it is the first itself
+    let first: &dyn Frame = shown.first.as_ref().unwrap_or(&shown.frame);
+    measure(&shown.scene, Some(first), &shown.frame).map_err(|error| match error {
         Unmeasured::NoSection | Unmeasured::NoFailure => Failure::usage(error),
         Unmeasured::NoTarget => Failure::Run(error.to_string()),
     })

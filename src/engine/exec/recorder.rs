@@ -121,6 +121,9 @@ impl Recorder {
 
     /// Of the piece of work that a worker is at, it has waited since `start` for other ranks.
     pub fn waited(&self, worker: usize, start: u64) {
+        if self.paused.load(Ordering::Relaxed) {
+            return;
+        }
         if let Some(worker) = self.workers.get(worker) {
             lock(worker).waited += self.now().saturating_sub(start);
         }

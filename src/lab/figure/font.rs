@@ -67,10 +67,11 @@ impl Type {
         units * self.size * POINT
     }
 
-    /// A text in lines no longer than `room` [mm], cut between words; a word that is longer has a line of its own.
+    /// A text in lines no longer than `room` [mm], cut between words, and in words that are longer.
     pub fn wrap(&self, text: &str, room: f64) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
-        for word in text.split_whitespace() {
+        for word in text.split_whitespace().flat_map(|word| self.pieces(word, room)) {
+            let word = word.as_str();
             match lines.last_mut() {
                 Some(line) if self.width(line) + self.width(" ") + self.width(word) <= room => {
                     line.push(' ');
@@ -80,6 +81,21 @@ impl Type {
             }
         }
         lines
+    }
+
+    /// A word in pieces no longer than `room` [mm], of a letter at the least.
+    fn pieces(&self, word: &str, room: f64) -> Vec<String> {
+        let mut pieces = vec![String::new()];
+        for letter in word.chars() {
+            let last = pieces.len() - 1;
+            let mut longer = pieces[last].clone();
+            longer.push(letter);
+            match self.width(&longer) > room && !pieces[last].is_empty() {
+                true => pieces.push(letter.to_string()),
+                false => pieces[last] = longer,
+            }
+        }
+        pieces
     }
 }
 

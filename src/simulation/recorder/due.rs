@@ -92,7 +92,7 @@ fn starts(period: &Period, [before, time]: [f64; 2]) -> bool {
 fn begins(period: &Period, time: f64) -> usize {
     match period.frames_every {
         Some(every) if time >= period.from * (1.0 - HAIR) => {
-            passed(time.min(period.to) - period.from, every) + 1
+            passed(time.min(period.to) - period.from, every).saturating_add(1)
         }
         _ => 0,
     }
