@@ -249,6 +249,23 @@ fn a_wound_is_not_measured_where_failure_is_not_shown() {
 }
 
 #[test]
+fn the_graph_s_estimates_take_the_pace_of_this_machine() {
+    let said = |arguments: &[&str]| {
+        let output = sinew(&[&["graph"][..], arguments].concat());
+        (output.status.code(), words(&output))
+    };
+    let plain = said(&["problems/slab-quick"]);
+    let measured = said(&["problems/slab-quick", "--measure"]);
+    assert!(plain.0 == Some(0) && plain.1.contains("0.12 ns a particle"), "{plain:?}");
+    assert!(measured.0 == Some(0) && measured.1.contains("took on one thread here"), "{measured:?}");
+    let rounds = said(&["problems/slab-rigid", "--measure"]);
+    let rates = said(&["problems/slab-quick", "--measure", "--set", "run.rates=per-material"]);
+    for refused in [rounds, rates] {
+        assert!(refused.0 == Some(2) && refused.1.contains("take a trace instead"), "{refused:?}");
+    }
+}
+
+#[test]
 fn check_predicts_without_running() {
     let output = sinew(&["check", "problems/slab-quick"]);
     let words = words(&output);

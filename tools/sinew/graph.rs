@@ -105,7 +105,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 /// What a step takes here over what its tasks are estimated to take, and in words.
 fn measure(args: &Args, scene: &Scene, program: &Program, plan: &Plan) -> Result<(f64, String), Failure> {
-    if !program.loops().is_empty() || scene.run.rates != Rates::Common {
+    // the loop over ticks has one round where all materials take the common step
+    if program.loops().iter().any(|it| it.most > 1) || scene.run.rates != Rates::Common {
         let message = "--measure cannot tell what a round of a loop, or a tick with rates of their own, takes: take a trace instead (sinew run \
                        SCENE --trace, sinew graph SCENE --trace RUN/trace.json)";
         return Err(Failure::usage(message));
