@@ -14,6 +14,7 @@ use engine::exec::ranks::{Alone, Network};
 use scene::Scene;
 use simd::Isa;
 use sinew::output::checkpoint::{self, Reader, Recorded, last_whole};
+use sinew::output::history::Table;
 use sinew::output::summary::Summary;
 use sinew::simulation::recorder::{End, Next, Recorder, last_checkpoint};
 use sinew::simulation::{Report, RunError, Simulation};

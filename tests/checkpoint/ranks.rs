@@ -149,7 +149,15 @@ fn runs_on_other_numbers_of_ranks_go_on_with_the_same_bits() {
 
 #[test]
 fn the_files_of_several_ranks_are_those_of_one() {
-    let every = [("output.checkpoint.steps", "30"), ("output.frames", "4000")];
+    // rows of all columns now and then, those of a probe with every step
+    let probe = "[{ name = 'all', material = 'a', field = 'velocity', interval = 1e-12 }]";
+    let every = [
+        ("output.checkpoint.steps", "30"),
+        ("output.frames", "4000"),
+        ("output.history-every", "7"),
+        ("output.period", "[{ frames-every = 1e-12, to = 1e-3 }]"),
+        ("probe", probe),
+    ];
     let scene = laid_out(scene(CLOUD, &every), ([3, 2, 2], 1));
     let folder = folder();
     let folders = [1, 3].map(|ranks| {
@@ -169,6 +177,10 @@ fn the_files_of_several_ranks_are_those_of_one() {
     let output = sinew(&["compare", text(&folders[0]), text(&folders[1])]);
     assert!(output.status.success(), "{}", words(&output));
     assert_eq!(checkpoint::list(&folders[1]).len(), 2);
+    let [one, several] = folders.each_ref().map(|out| ok(std::fs::read_to_string(out.join("history.csv"))));
+    assert!(one == several, "rows of a probe alone, too");
+    let alone = ok(Table::read(&folders[1].join("history.csv"))).column("residual_j").unwrap_or_default();
+    assert!(alone.iter().filter(|x| x.is_nan()).count() > alone.len() / 2);
 }
 
 #[test]
