@@ -220,6 +220,16 @@ impl History {
         self.file.get_ref().sync_data().map_err(io("write", &self.path))
     }
 
+    /// A row whose columns between the first and the last ones are empty.
+    ///
+    /// # Errors
+    /// As [`History::row`].
+    pub fn row_of_ends(&mut self, first: &[Cell], last: &[Cell]) -> Result<()> {
+        let between = self.columns.saturating_sub(first.len() + last.len());
+        let empty = vec![Cell::Number(f64::NAN); between];
+        self.row(&[first, &empty, last].concat())
+    }
+
     /// Writes a row: one cell a column, in the order of the columns.
     ///
     /// # Errors

@@ -244,8 +244,10 @@ impl Recorder {
         let began = simulation.begin_output();
         let values = simulation.probes()?;
         let (clock, step) = (simulation.clock(), simulation.steps());
-        let cells = rows::probes_alone(&simulation.scene, [clock.time, clock.tick], step, &values, numbers);
-        let written = self.files.as_mut().map_or(Ok(()), |files| files.history.row(&cells));
+        // the columns with which rows begin
+        let first = [clock.time.into(), step.into(), clock.tick.into()];
+        let last = rows::probe_cells(&simulation.scene, &values, numbers);
+        let written = self.files.as_mut().map_or(Ok(()), |files| files.history.row_of_ends(&first, &last));
         together::agree(simulation.network(), written)?;
         self.output_s += simulation.end_output(&began);
         Ok(())

@@ -117,22 +117,11 @@ pub fn cells(report: &Report) -> Vec<Cell<'_>> {
     cells
 }
 
-/// A row with some probes alone: time and size of the step [s], its number, and of the `values` of all probes those of `numbers`.
-pub fn probes_alone(
-    scene: &Scene,
-    [time, step]: [f64; 2],
-    number: u64,
-    values: &[f64],
-    numbers: &[usize],
-) -> Vec<Cell<'static>> {
-    let width = columns(scene).len();
-    let mut cells = vec![Cell::Number(time), Cell::Count(number), Cell::Number(step)];
-    cells.resize(width - values.len(), Cell::Number(f64::NAN));
+/// Of the `values` of all probes those of `numbers`; the others are empty.
+pub fn probe_cells(scene: &Scene, values: &[f64], numbers: &[usize]) -> Vec<Cell<'static>> {
     let of = scene.probes.iter().enumerate().flat_map(|(number, probe)| vec![number; probe.shown.components]);
-    cells.extend(
-        of.zip(values).map(|(probe, x)| Cell::Number(if numbers.contains(&probe) { *x } else { f64::NAN })),
-    );
-    cells
+    let cell = |(probe, x): (usize, &f64)| Cell::Number(if numbers.contains(&probe) { *x } else { f64::NAN });
+    of.zip(values).map(cell).collect()
 }
 
 fn material_cells(m: &MaterialReport, cells: &mut Vec<Cell<'_>>) {
