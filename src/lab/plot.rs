@@ -1,5 +1,5 @@
 //! Plots of lines: linear or logarithmic axes, a legend, nothing else.
-use super::figure::axis::{Axis, Quantity, Scale};
+use super::figure::axis::{Axis, Quantity, Scale, fits};
 use super::figure::{Anchor, Color, Figure, Mark, Type, colors};
 
 /// A line of a plot.
@@ -56,17 +56,13 @@ impl Frame {
         let [u, v] = [self.axes[0].at(p[0]), self.axes[1].at(p[1])];
         [self.low[0] + u * (self.high[0] - self.low[0]), self.high[1] - v * (self.high[1] - self.low[1])]
     }
-
-    fn shows(&self, p: &[f64; 2]) -> bool {
-        self.axes[0].has(p[0]) && self.axes[1].has(p[1])
-    }
 }
 
 impl Plot {
     /// The plot, `width` millimeters wide.
     pub fn draw(&self, width: f64) -> Figure {
         let width = width.max(NARROWEST);
-        let points = || self.lines.iter().flat_map(|line| &line.points).filter(|p| self.is_shown(p));
+        let points = || self.lines.iter().flat_map(|line| self.shown(line));
         let axes = [0, 1].map(|a| Axis::of(points().map(|p| p[a]), self.log[a], a == 1));
         let scales = [0, 1].map(|a| match self.log[a] {
             true => Scale::ONE,
@@ -108,8 +104,10 @@ impl Plot {
         figure
     }
 
-    fn is_shown(&self, p: &[f64; 2]) -> bool {
-        (0..2).all(|a| p[a].is_finite() && (!self.log[a] || p[a] > 0.0))
+    /// The points of a line that axes can show.
+    pub fn shown<'a>(&self, line: &'a Line) -> impl Iterator<Item = &'a [f64; 2]> {
+        let log = self.log;
+        line.points.iter().filter(move |p| (0..2).all(|a| fits(p[a], log[a])))
     }
 
     fn axes(&self, figure: &mut Figure, frame: &Frame, [along, up]: [Vec<(f64, String)>; 2]) {
@@ -143,8 +141,7 @@ impl Plot {
     fn line(&self, figure: &mut Figure, frame: &Frame, line: &Line, n: usize) {
         let (color, dashes) = style(n);
         // rows of a history in which other columns alone have numbers are no gaps
-        let points: Vec<[f64; 2]> =
-            line.points.iter().filter(|p| frame.shows(p)).map(|p| frame.place(*p)).collect();
+        let points: Vec<[f64; 2]> = self.shown(line).map(|p| frame.place(*p)).collect();
         // of a point alone no line can be seen
         if self.marks || points.len() == 1 {
             figure.marks.extend(points.iter().map(|&center| Mark::Disc { center, radius: 0.8, color }));

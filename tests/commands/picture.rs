@@ -4,7 +4,7 @@ use physics::motion::Course;
 use scene::geometry::Solid;
 use scene::*;
 use sinew::lab::figure::{Figure, Format, Raster, colors};
-use sinew::lab::picture::{Coloring, Cut, Part, Request, Subject, Survey, View, draw, draw_with};
+use sinew::lab::picture::{Coloring, Cut, Part, Request, Sight, Subject, Survey, View, draw, draw_with};
 use sinew::lab::wound;
 use sinew::output::frame::Field;
 use sinew::output::frame::Frame;
@@ -331,9 +331,11 @@ fn a_film_keeps_its_window_and_its_colors() {
     let request = Request::section(&scene, speed());
     let subject = |frame| Subject { frame, first: None, scene: &scene };
     let mut survey = Survey::new(&request);
-    [&first, &last].into_iter().for_each(|frame| survey.add(&request, subject(frame)));
-    let frames =
-        [&first, &last].map(|frame| pixels(&draw_with(&request, &survey, &[subject(frame)]).unwrap()));
+    [&first, &last]
+        .into_iter()
+        .for_each(|frame| survey.add(&request, &Sight::of(&request, &[subject(frame)])));
+    let frames = [&first, &last]
+        .map(|frame| pixels(&draw_with(&request, &survey, &Sight::of(&request, &[subject(frame)])).unwrap()));
     assert_eq!(frames[0].size, frames[1].size);
     assert_ne!(frames[0], frames[1]);
     // alone, the first frame is drawn in a smaller window

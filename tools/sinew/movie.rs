@@ -3,7 +3,7 @@ use super::drawing::{Run, refuse_nothing};
 use super::fail::Failure;
 use super::folder::refuse_result;
 use sinew::lab::figure::{Animation, Figure, Raster};
-use sinew::lab::picture::{Request, Survey, draw_with};
+use sinew::lab::picture::{Request, Sight, Survey, draw_with};
 use sinew::output::io;
 use std::fs::File;
 use std::io::{BufWriter, IsTerminal, Write};
@@ -35,13 +35,13 @@ pub fn write(
     let mut survey = Survey::new(request);
     for (n, number) in numbers.iter().enumerate() {
         let frames = run.frames(&[*number])?;
-        run.subjects(&frames).into_iter().for_each(|subject| survey.add(request, subject));
+        survey.add(request, &Sight::of(request, &run.subjects(&frames)));
         tell("looked at", n);
     }
     refuse_nothing(&survey, request)?;
     let picture = |number: usize| -> Result<Figure, Failure> {
         let frames = run.frames(&[number])?;
-        draw_with(request, &survey, &run.subjects(&frames)).map_err(Failure::usage)
+        draw_with(request, &survey, &Sight::of(request, &run.subjects(&frames))).map_err(Failure::usage)
     };
     let draft = Draft::of(file);
     let failed =

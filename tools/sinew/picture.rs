@@ -7,7 +7,7 @@ use physics::parameter::Dimension;
 use scene::Scene;
 use sinew::input::units;
 use sinew::lab::figure::Format;
-use sinew::lab::picture::{self, Coloring, Cut, Palette, Request, Survey, View, view};
+use sinew::lab::picture::{self, Coloring, Cut, Palette, Request, Sight, Survey, View, view};
 use std::path::PathBuf;
 
 /// Draw particles of a run: any field, from any side, cut where you like; several frames beside one another, or a film
@@ -96,10 +96,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             let format = Format::of(&file).map_err(Failure::usage)?;
             let frames = run.frames(&args.frames(&run, "last")?)?;
             let subjects = run.subjects(&frames);
-            let mut survey = Survey::new(&request);
-            subjects.iter().for_each(|subject| survey.add(&request, *subject));
+            let (mut survey, sight) = (Survey::new(&request), Sight::of(&request, &subjects));
+            survey.add(&request, &sight);
             refuse_nothing(&survey, &request)?;
-            let figure = picture::draw_with(&request, &survey, &subjects).map_err(Failure::usage)?;
+            let figure = picture::draw_with(&request, &survey, &sight).map_err(Failure::usage)?;
             figure.write(&file, format, request.dpi)?;
             file
         }

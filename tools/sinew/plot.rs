@@ -146,13 +146,6 @@ impl Args {
         };
         let lines = all.iter().map(line).collect::<Result<Vec<_>, _>>()?;
         let log = ["x", "y"].map(|axis| self.log.as_ref().is_some_and(|axes| axes.contains(axis)));
-        for line in &lines {
-            let shown = |p: &&[f64; 2]| (0..2).all(|a| p[a].is_finite() && (!log[a] || p[a] > 0.0));
-            if line.points.iter().filter(shown).count() == 0 {
-                let problem = "has no number above zero, which a logarithmic axis could show";
-                return Err(Failure::usage(format!("{:?} {problem}", line.name)));
-            }
-        }
         let words = match (&lines[..], shared.as_str()) {
             ([line], _) => line.name.clone(),
             (_, "N") => "force".to_owned(),
@@ -166,6 +159,13 @@ impl Args {
         let up = Quantity { words: self.y_label.clone().unwrap_or(words), unit: shared };
         let along = Quantity { words: self.x_label.clone().unwrap_or(along.words), ..along };
         let title = self.title.clone().unwrap_or(title);
-        Ok(Plot { title, axes: [along, up], log, marks: false, lines })
+        let plot = Plot { title, axes: [along, up], log, marks: false, lines };
+        match plot.lines.iter().find(|line| plot.shown(line).next().is_none()) {
+            None => Ok(plot),
+            Some(line) => {
+                let problem = "has no number above zero, which a logarithmic axis could show";
+                Err(Failure::usage(format!("{:?} {problem}", line.name)))
+            }
+        }
     }
 }

@@ -4,6 +4,7 @@ use super::say::tell;
 use super::voice::{Voice, event};
 use engine::exec::ranks::collective;
 use indicatif::{ProgressBar, ProgressStyle};
+use sinew::lab::figure::axis::{SECONDS, in_unit};
 use sinew::simulation::{RunError, Simulation};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -174,12 +175,7 @@ fn fraction(simulation: &Simulation, until: f64) -> f64 {
 
 /// Simulated time in its unit: `0.8 ms`.
 pub fn seconds(time: f64) -> String {
-    let units = [(1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")];
-    let (one, unit) = units
-        .into_iter()
-        .find(|(one, _)| time >= 0.9999 * one)
-        .unwrap_or(units[if time == 0.0 { 0 } else { 3 }]);
-    format!("{} {unit}", sinew::lab::figure::axis::short(time / one, 5))
+    in_unit(time, &SECONDS, 5)
 }
 
 /// Seconds in words: `42 s`, `3 min 5 s`, `2 h 4 min`.

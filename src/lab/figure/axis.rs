@@ -66,9 +66,8 @@ impl Quantity {
             Some(&(power, prefix)) if takes => Scale { one: 10f64.powi(power), prefix: prefix.to_owned() },
             _ if (-3..5).contains(&exponent) => Scale::ONE,
             _ => {
-                let power: String = exponent.to_string().chars().map(superscript).collect();
                 let space = if self.unit.is_empty() { "" } else { " " };
-                Scale { one: 10f64.powi(exponent), prefix: format!("10{power}{space}") }
+                Scale { one: 10f64.powi(exponent), prefix: format!("{}{space}", ten_to(exponent)) }
             }
         }
     }
@@ -88,12 +87,32 @@ impl Scale {
     pub const ONE: Self = Self { one: 1.0, prefix: String::new() };
 }
 
-fn superscript(digit: char) -> char {
+/// A power of ten in words.
+fn ten_to(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    match digit.to_digit(10) {
-        Some(n) => DIGITS[n as usize],
-        None => '⁻',
-    }
+    let raised = |c: char| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]);
+    format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())
+}
+
+/// Units of time, the longest first.
+pub const SECONDS: [(f64, &str); 4] = [(1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")];
+
+/// The first unit that a number reaches, rounded to so many digits; else the last.
+pub fn unit_of<'a>(x: f64, units: &[(f64, &'a str)], digits: i32) -> (f64, &'a str) {
+    let rounded = 1.0 - 0.5 * 10f64.powi(-digits);
+    let reached = units.iter().find(|unit| x.abs() >= unit.0 * rounded);
+    if x == 0.0 { units[0] } else { *reached.unwrap_or(&units[units.len() - 1]) }
+}
+
+/// A number in that unit.
+pub fn in_unit(x: f64, units: &[(f64, &str)], digits: i32) -> String {
+    let (one, name) = unit_of(x, units, digits);
+    format!("{} {name}", short(x / one, digits))
+}
+
+/// Whether a number can be on an axis.
+pub fn fits(x: f64, log: bool) -> bool {
+    x.is_finite() && (!log || x > 0.0)
 }
 
 /// An axis: from and to, logarithmic or not.
@@ -114,7 +133,7 @@ impl Axis {
     /// An axis on which all finite values lie; of a logarithmic one, those above zero. A linear one has zero on it, if
     /// `zero` or if that is near.
     pub fn of(values: impl Iterator<Item = f64>, log: bool, zero: bool) -> Self {
-        let ok = values.filter(|x| x.is_finite() && (!log || *x > 0.0));
+        let ok = values.filter(|x| fits(*x, log));
         let (low, high) = ok.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         match (low <= high, log) {
             (false, true) => Self { from: 1.0, to: 10.0, log },
@@ -138,11 +157,6 @@ impl Axis {
             true => (x / self.from).ln() / (self.to / self.from).ln(),
             false => (x - self.from) / (self.to - self.from),
         }
-    }
-
-    /// Whether a value can be on it.
-    pub fn has(self, x: f64) -> bool {
-        x.is_finite() && (!self.log || x > 0.0)
     }
 
     /// Ticks, about `count` of them with words; numbers are divided by `one` (of [`Scale`]).
@@ -197,8 +211,8 @@ fn power(exponent: i32, m: u32, plain: bool) -> String {
         -4..=-1 if plain => format!("{:.*}", -exponent as usize, f64::from(m) * 10f64.powi(exponent)),
         0..=4 if plain => format!("{}", u64::from(m) * 10u64.pow(exponent as u32)),
         _ => {
-            let power: String = exponent.to_string().chars().map(superscript).collect();
-            if m == 1 { format!("10{power}") } else { format!("{m}·10{power}") }
+            let power = ten_to(exponent);
+            if m == 1 { power } else { format!("{m}·{power}") }
         }
     }
 }

@@ -1,5 +1,5 @@
 //! The surface of exit, as in the paper's figure 10.
-use super::view::View;
+use super::view::{View, unit};
 use crate::lab::wound::{attached, lateral, spacing, tissue};
 use crate::output::frame::Frame;
 use scene::{Scene, Wound};
@@ -7,18 +7,7 @@ use scene::{Scene, Wound};
 /// Seen against the flight.
 pub fn view(wound: &Wound) -> View {
     let [_, up] = lateral(wound.axis);
-    let unit = |axis: usize, sign: f64| {
-        let mut v = [0.0; 3];
-        v[axis] = sign;
-        v
-    };
-    let (up, toward) = (unit(up, 1.0), unit(wound.axis, wound.direction));
-    let right = [
-        up[1] * toward[2] - up[2] * toward[1],
-        up[2] * toward[0] - up[0] * toward[2],
-        up[0] * toward[1] - up[1] * toward[0],
-    ];
-    View { right, up, toward }
+    View::new(unit(wound.axis, wound.direction), unit(up, 1.0))
 }
 
 /// How much light each particle has, in the order of the frame: tissue inside the tract less, loose spray and a projectile

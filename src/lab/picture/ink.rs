@@ -3,8 +3,7 @@ use super::legend::{Legend, Named};
 use super::span::Span;
 use crate::lab::figure::Color;
 use crate::lab::figure::axis::Quantity;
-use crate::lab::figure::colors;
-use crate::lab::figure::colors::{PLAIN, TOOL};
+use crate::lab::figure::colors::{self, PLAIN, TOOL};
 use crate::lab::wound::{code, scalars};
 use crate::output::frame::{Field, Frame, part_names};
 use scene::Scene;
@@ -91,16 +90,10 @@ impl Coloring {
                 Ok(Self::Field(whole.to_owned(), Part::Of(which)))
             }
             (_, 1) => Err(format!("{whole} is one number: it has no part {:?}", part.unwrap_or_default())),
-            _ => Err(format!("{whole} has several numbers: name one of {}", names.map_names(whole))),
-        }
-    }
-
-    /// Fields that it is made of.
-    pub fn fields(&self) -> Vec<&str> {
-        match self {
-            Self::Failure => vec!["failure"],
-            Self::Material => Vec::new(),
-            Self::Field(name, _) => vec![name],
+            _ => {
+                let all: Vec<String> = names.iter().map(|part| format!("{whole}.{part}")).collect();
+                Err(format!("{whole} has several numbers: name one of {}", all.join(", ")))
+            }
         }
     }
 
@@ -140,16 +133,6 @@ impl Coloring {
             (name, _) => name.replace('_', " "),
         };
         Quantity { words, unit: if unit == "1" { String::new() } else { unit.replace("^3", "³") } }
-    }
-}
-
-trait Names {
-    fn map_names(&self, whole: &str) -> String;
-}
-
-impl Names for [&str] {
-    fn map_names(&self, whole: &str) -> String {
-        self.iter().map(|part| format!("{whole}.{part}")).collect::<Vec<_>>().join(", ")
     }
 }
 

@@ -102,6 +102,19 @@ impl Ball {
     }
 }
 
+/// Frames, with what is seen of each and what to say of it.
+pub struct Sight<'a> {
+    subjects: &'a [Subject<'a>],
+    seen: Vec<(Vec<Ball>, &'static str)>,
+}
+
+impl<'a> Sight<'a> {
+    /// Looks at frames.
+    pub fn of(request: &Request, subjects: &'a [Subject<'a>]) -> Self {
+        Self { subjects, seen: subjects.iter().map(|subject| balls(request, *subject)).collect() }
+    }
+}
+
 /// What all frames of a picture or a film have together: the box that is shown, and from where to where colors go.
 #[derive(Clone, Debug)]
 pub struct Survey {
@@ -116,10 +129,15 @@ impl Survey {
         Self { window: None, tools: None, spans: vec![Span::NOTHING; request.colorings.len()] }
     }
 
-    /// With a frame.
-    pub fn add(&mut self, request: &Request, subject: Subject<'_>) {
-        let (balls, _) = balls(request, subject);
-        for ball in &balls {
+    /// With more frames.
+    pub fn add(&mut self, request: &Request, sight: &Sight<'_>) {
+        for (subject, (balls, _)) in sight.subjects.iter().zip(&sight.seen) {
+            self.add_frame(request, *subject, balls);
+        }
+    }
+
+    fn add_frame(&mut self, request: &Request, subject: Subject<'_>, balls: &[Ball]) {
+        for ball in balls {
             let window = if ball.particle().is_some() { &mut self.window } else { &mut self.tools };
             let window = window.get_or_insert(Window { low: ball.place, high: ball.place });
             *window = window.with(ball.place, ball.radius);
@@ -161,21 +179,21 @@ impl Survey {
 /// # Errors
 /// If the figure is too narrow for its legend, or too large.
 pub fn draw(request: &Request, subjects: &[Subject<'_>]) -> Result<Figure, String> {
-    let mut survey = Survey::new(request);
-    subjects.iter().for_each(|subject| survey.add(request, *subject));
-    draw_with(request, &survey, subjects)
+    let (mut survey, sight) = (Survey::new(request), Sight::of(request, subjects));
+    survey.add(request, &sight);
+    draw_with(request, &survey, &sight)
 }
 
 /// The same in the window and with the colors of a survey.
 ///
 /// # Errors
 /// As [`draw`].
-pub fn draw_with(request: &Request, survey: &Survey, subjects: &[Subject<'_>]) -> Result<Figure, String> {
+pub fn draw_with(request: &Request, survey: &Survey, sight: &Sight<'_>) -> Result<Figure, String> {
+    let Sight { subjects, seen: shown } = sight;
     let Some(Subject { scene, .. }) = subjects.first() else { return Err("there is no frame".into()) };
     let window = survey.window(request, scene);
-    let shown: Vec<_> = subjects.iter().map(|subject| balls(request, *subject)).collect();
     let inked = |coloring, span| {
-        subjects.iter().zip(&shown).map(move |(it, (balls, _))| {
+        subjects.iter().zip(shown).map(move |(it, (balls, _))| {
             let drawn: HashSet<usize> = balls.iter().filter_map(Ball::particle).collect();
             ink::ink(it.frame, it.scene, coloring, (span, request.palette), |i| drawn.contains(&i))
         })
@@ -191,7 +209,7 @@ pub fn draw_with(request: &Request, survey: &Survey, subjects: &[Subject<'_>]) -
             Coloring::Material => MATERIALS[material % MATERIALS.len()],
             _ => TOOL,
         };
-        let panels = colors.iter().zip(&shown);
+        let panels = colors.iter().zip(shown);
         panels.map(|(colors, (balls, _))| panel(&sheet.panel, balls, colors, tool)).collect::<Vec<_>>()
     });
     let panels = rows.collect();

@@ -2,7 +2,7 @@
 use super::Request;
 use super::legend::{self, Legend};
 use super::view::View;
-use crate::lab::figure::axis::{round_up, short};
+use crate::lab::figure::axis::{SECONDS, in_unit, round_up, short, unit_of};
 use crate::lab::figure::{Anchor, Color, Figure, MOST, Mark, POINT, Raster, Type};
 
 const MARGIN: f64 = 3.0;
@@ -10,6 +10,8 @@ const MARGIN: f64 = 3.0;
 const GAP: f64 = 3.0;
 /// Below panels: scale bar and directions [mm].
 const FOOT: f64 = 11.0;
+/// Digits of times and lengths.
+const DIGITS: i32 = 4;
 /// The narrowest that a panel gets [mm].
 const NARROWEST: f64 = 18.0;
 const TITLE: Type = Type::new(9.0).bold();
@@ -147,12 +149,12 @@ impl Sheet {
 
     /// Puts panels in rows, with their times where there are several, and dashed lines at planes across axes.
     pub fn panels(&mut self, panels: Vec<Raster>, times: &[f64], planes: &[(usize, f64)]) {
-        let unit = unit(times.iter().copied().fold(0.0, f64::max), &SECONDS);
+        let unit = unit_of(times.iter().copied().fold(0.0, f64::max), &SECONDS, DIGITS);
         for (n, raster) in panels.into_iter().enumerate() {
             let (coloring, frame) = (n / self.frames, n % self.frames);
             let [x, y] = self.corner(coloring, frame);
             if let (true, Some(time)) = (self.frames > 1, times.get(frame)) {
-                let words = format!("{} {}", short(time / unit.0, 4), unit.1);
+                let words = format!("{} {}", short(time / unit.0, DIGITS), unit.1);
                 self.figure.text([x, y - 0.3 * LABEL.line_height()], words, LABEL);
             }
             self.figure.marks.push(Mark::Image { at: [x, y], size: self.size, raster });
@@ -190,7 +192,7 @@ impl Sheet {
         self.directions(foot + 0.5 * FOOT);
         self.figure.size[1] = bottom + MARGIN;
         let time = match times {
-            [one] => format!("t = {}", quantity(*one, &SECONDS)),
+            [one] => format!("t = {}", in_unit(*one, &SECONDS, DIGITS)),
             _ => String::new(),
         };
         let mut page = self.head(title, note, &time);
@@ -230,7 +232,7 @@ impl Sheet {
         for x in [left, right] {
             self.figure.line(&[[x, y - 0.8], [x, y + 0.8]], LABEL.color, 0.4);
         }
-        let words = quantity(length, &[(1.0, "m"), (1e-3, "mm"), (1e-6, "µm")]);
+        let words = in_unit(length, &[(1.0, "m"), (1e-3, "mm"), (1e-6, "µm")], DIGITS);
         self.figure.text([right + 1.5, y + 0.35 * LABEL.size * POINT], words, LABEL);
     }
 
@@ -257,18 +259,4 @@ impl Sheet {
             self.figure.text([at[0], at[1] + 0.35 * SMALL.size * POINT], words, SMALL.anchor(Anchor::Middle));
         }
     }
-}
-
-const SECONDS: [(f64, &str); 4] = [(1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")];
-
-/// The first unit that a number reaches, else the last.
-fn unit<'a>(x: f64, units: &[(f64, &'a str)]) -> (f64, &'a str) {
-    let reached = units.iter().find(|unit| x.abs() >= unit.0 * (1.0 - 1e-9));
-    if x == 0.0 { units[0] } else { *reached.unwrap_or(&units[units.len() - 1]) }
-}
-
-/// A number in that unit.
-fn quantity(x: f64, units: &[(f64, &str)]) -> String {
-    let (size, name) = unit(x, units);
-    format!("{} {name}", short(x / size, 4))
 }

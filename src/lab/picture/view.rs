@@ -13,7 +13,8 @@ pub struct View {
     pub toward: [f64; 3],
 }
 
-fn unit(axis: usize, sign: f64) -> [f64; 3] {
+/// Along an axis, or against it.
+pub(super) fn unit(axis: usize, sign: f64) -> [f64; 3] {
     let mut v = [0.0; 3];
     v[axis] = sign;
     v
@@ -30,7 +31,7 @@ pub fn along(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 impl View {
     /// From where `toward` points, with `up` up; both of length 1, and not parallel.
-    fn new(toward: [f64; 3], up: [f64; 3]) -> Self {
+    pub(super) fn new(toward: [f64; 3], up: [f64; 3]) -> Self {
         let right = cross(up, toward);
         let length = along(right, right).sqrt();
         let right = right.map(|x| x / length);
