@@ -1,6 +1,6 @@
 //! The first particle whose state is inadmissible, and the first event of each kind: who, when and where.
 use engine::data::reduction::earlier;
-use simd::{LANES, Mask, Simd, Wide};
+use simd::{LANES, Mask, Wide};
 
 // kinds of faults, lane 1 of label `Fault`
 /// J ≤ 0 or not a number.
@@ -43,8 +43,7 @@ impl Who<'_> {
 
     /// Reports the particle with the smallest identity.
     #[inline(never)]
-    pub fn is_at_fault<S: Simd>(&self, mask: Mask, kind: f64, value: S, fault: &mut Wide) {
-        let values = value.lanes();
+    pub fn is_at_fault(&self, mask: Mask, kind: f64, values: [f64; LANES], fault: &mut Wide) {
         for lane in Self::lanes(mask) {
             let [x, y, z] = self.x.map(|x| x.0[lane]);
             let line = Wide([self.identity(lane), kind, values[lane], x, y, z, 0.0, 0.0]);

@@ -7,7 +7,7 @@ use engine::graph::task::{At, Body};
 use grid::Lattice;
 use physics::contact::cross;
 use physics::solid::add;
-use simd::Simd;
+use simd::{Simd, Wide, store};
 
 engine::task! {
     /// Folds what a block's particles gave to nodes g beyond a face onto their images q: m_q += m_g, p_q += R p_g, f_q += R f_g, V_q += V_g.
@@ -86,14 +86,15 @@ impl<S: Simd> Change<S> {
     }
 
     /// The impulse Δt f + β p of a step, and its torque.
+    #[inline(always)]
     fn reaction(&self, lattice: &Lattice, dt: f64, pic: Pic) -> Reaction {
-        let pic = pic.of(dt);
-        let impulse = |sum: &S| {
-            let mut line = Sums::default();
-            sum.store(&mut line.0);
-            [0, 1, 2].map(|a| dt * line.force()[a] + pic * line.momentum()[a])
+        let (pic, mut sums) = (pic.of(dt), [Wide::default(); 4]);
+        store(&self.0, &mut sums);
+        let impulse = |sum: Wide| {
+            let sum = Sums(sum);
+            [0, 1, 2].map(|a| dt * sum.force()[a] + pic * sum.momentum()[a])
         };
-        let [whole, x, y, z] = self.0.each_ref().map(impulse);
+        let [whole, x, y, z] = sums.map(impulse);
         let mut reaction = Reaction::default();
         reaction.add(lattice.lower, whole, [0.0; 3]);
         for (axis, moment) in [x, y, z].into_iter().enumerate() {

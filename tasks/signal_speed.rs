@@ -35,7 +35,7 @@ impl Body for SignalSpeed {
             }
             if !finite & here != 0 {
                 let who = Who { identity: &io.identity[tile], x: &io.position[tile], time: 0.0 };
-                who.is_at_fault(!finite & here, fault::NOT_FINITE, speed, &mut io.fault[0]);
+                who.is_at_fault(!finite & here, fault::NOT_FINITE, speed.lanes(), &mut io.fault[0]);
             }
         }
         store(&largest, &mut io.speed[0]);

@@ -81,7 +81,7 @@ impl<L: Law> Body for Stress<L> {
                 for event in 0..L::EVENTS.len() {
                     who.meet(own[event] & here, &mut io.first[0][event]);
                 }
-                who.is_at_fault(inverted & here, fault::INVERTED, kinematics.j, &mut io.fault[0]);
+                who.is_at_fault(inverted & here, fault::INVERTED, kinematics.j.lanes(), &mut io.fault[0]);
             }
         }
         io.work[0].add(work.lanes().iter().sum());

@@ -1,8 +1,8 @@
 //! Small tensor algebra, eight particles at a time. Full tensors are 9 numbers row by row, symmetric ones
 //! 6: xx, xy, xz, yy, yz, zz.
 //!
-//! Loops rather than `map` or `from_fn`: the standard library may be compiled as functions of its own,
-//! without the instruction set of the caller.
+//! Loops rather than `map` or `from_fn`, and functions rather than closures: the standard library, and a large closure, may be
+//! compiled as functions of their own, without the instruction set of the caller.
 use simd::Simd;
 
 /// det A
@@ -112,22 +112,29 @@ pub fn push_forward<S: Simd>(f: &[S; 9], a: &[S; 6]) -> [S; 6] {
 pub fn backward_work<S: Simd>(tau: &[S; 6], a: &[S; 9]) -> S {
     let [xx, xy, xz, yy, yz, zz] = *tau;
     let [x, y, z] = [[a[0], a[1], a[2]], [a[3], a[4], a[5]], [a[6], a[7], a[8]]];
-    // u × v + w
-    let cross = |u: &[S; 3], v: &[S; 3], w: [S; 3]| {
-        let mut sum = w;
-        for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            sum[i] = u[k].fnma(v[j], u[j].fma(v[k], sum[i]));
-        }
-        sum
-    };
-    let dot = |u: &[S; 3], v: &[S; 3]| u[0].fma(v[0], u[1].fma(v[1], u[2] * v[2]));
     let none = [S::splat(0.0); 3];
     // with rows x, y, z of A: cof A has the rows y × z, z × x, x × y
-    let normal = cross(&x, &y, none);
-    let mixed = cross(&x, &[xy, yy, yz], cross(&[xx, xy, xz], &y, none));
+    let normal = cross_and_add(&x, &y, none);
+    let mixed = cross_and_add(&x, &[xy, yy, yz], cross_and_add(&[xx, xy, xz], &y, none));
     let (cofactors, det) = (dot(&[xz, yz, zz], &normal) + dot(&z, &mixed), dot(&z, &normal));
     trace(tau) - cofactors / det.max(S::splat(0.1))
+}
+
+/// u · v
+#[inline(always)]
+fn dot<S: Simd>(u: &[S; 3], v: &[S; 3]) -> S {
+    u[0].fma(v[0], u[1].fma(v[1], u[2] * v[2]))
+}
+
+/// u × v + w
+#[inline(always)]
+fn cross_and_add<S: Simd>(u: &[S; 3], v: &[S; 3], w: [S; 3]) -> [S; 3] {
+    let mut sum = w;
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        sum[i] = u[k].fnma(v[j], u[j].fma(v[k], sum[i]));
+    }
+    sum
 }
 
 /// A⁻¹ B; infinite or not a number where A is singular.

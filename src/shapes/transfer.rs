@@ -5,6 +5,7 @@
 use super::Stencil;
 use grid::STRIDE;
 use simd::{Simd, Wide};
+use std::ops::{Add, Sub};
 
 /// Lines from node (0,0,0) to node (2,2,2) of a stencil.
 const SPAN: usize = 2 * (STRIDE[0] + STRIDE[1] + STRIDE[2]) + 1;
@@ -12,6 +13,12 @@ const SPAN: usize = 2 * (STRIDE[0] + STRIDE[1] + STRIDE[2]) + 1;
 #[inline(always)]
 fn outer<S: Simd>(pair: &[Wide; 2], lane: usize) -> [S; 2] {
     [S::splat(pair[0].0[lane & 7]), S::splat(pair[1].0[lane & 7])]
+}
+
+/// What the outer nodes leave to the middle one of N.
+#[inline(always)]
+fn middle<V: Copy + Add<Output = V> + Sub<Output = V>>(all: V, first: V, last: V, n: usize) -> V {
+    all - if n == 3 { first + last } else { first }
 }
 
 /// `[A f B]_I += S_I [A · B] + ∂x S_I [T_x] + ∂y S_I [T_y] + ∂z S_I [T_z]` on N nodes an axis, where A is lanes
@@ -27,29 +34,28 @@ pub fn scatter<S: Simd, const X: usize, const Y: usize, const Z: usize>(
         buffer[stencil.first_node(lane)..].first_chunk_mut().expect("a particle stays near its block");
     let zero = S::splat(0.0);
     let (ax, zy) = (S::load(&rows[0]), S::load(&rows[1]));
-    let (ty, tz) = (S::blend_force(zero, zy), zy.low_to_force());
+    let (ty, tz) = (zy.force(), zy.low_to_force());
     let [wx0, wx2] = outer::<S>(&stencil.weight[0], lane);
     let [wy0, wy2] = outer::<S>(&stencil.weight[1], lane);
     let [wz0, wz2] = outer::<S>(&stencil.weight[2], lane);
     let [gx0, gx2] = outer::<S>(&stencil.gradient[0], lane);
     let [gy0, gy2] = outer::<S>(&stencil.gradient[1], lane);
     let [gz0, gz2] = outer::<S>(&stencil.gradient[2], lane);
-    let middle = |all: S, first: S, last: S, n: usize| all - if n == 3 { first + last } else { first };
 
-    let (a0, y0, z0) = (S::blend_force(wx0, gx0) * ax, wx0 * ty, wx0 * tz);
-    let (a2, y2, z2) = (S::blend_force(wx2, gx2) * ax, wx2 * ty, wx2 * tz);
+    let (a0, y0, z0) = (S::blend_force(wx0, gx0) * ax, wx0.times_upper(ty), wx0.times_upper(tz));
+    let (a2, y2, z2) = (S::blend_force(wx2, gx2) * ax, wx2.times_upper(ty), wx2.times_upper(tz));
     let on_x = [a0, middle(S::blend_force(ax, zero), a0, a2, X), a2];
     let ty_on_x = [y0, middle(ty, y0, y2, X), y2];
     let tz_on_x = [z0, middle(tz, z0, z2, X), z2];
     for i in 0..X {
         let (a, ty, tz) = (on_x[i], ty_on_x[i], tz_on_x[i]);
-        let (a0, a2) = (wy0.fma(a, gy0 * ty), wy2.fma(a, gy2 * ty));
-        let (z0, z2) = (wy0 * tz, wy2 * tz);
+        let (a0, a2) = (wy0.fma_upper(a, gy0.times_upper(ty)), wy2.fma_upper(a, gy2.times_upper(ty)));
+        let (z0, z2) = (wy0.times_upper(tz), wy2.times_upper(tz));
         let on_y = [a0, middle(a, a0, a2, Y), a2];
         let tz_on_y = [z0, middle(tz, z0, z2, Y), z2];
         for j in 0..Y {
             let (a, tz) = (on_y[j], tz_on_y[j]);
-            let (a0, a2) = (wz0.fma(a, gz0 * tz), wz2.fma(a, gz2 * tz));
+            let (a0, a2) = (wz0.fma_upper(a, gz0.times_upper(tz)), wz2.fma_upper(a, gz2.times_upper(tz)));
             let on_z = [a0, middle(a, a0, a2, Z), a2];
             for k in 0..Z {
                 let line = &mut window[i * STRIDE[0] + j * STRIDE[1] + k];

@@ -1,23 +1,16 @@
 //! Plain arrays: run everywhere, and are the reference for the other instruction sets.
-use super::{LANES, Mask, Simd, Wide};
+use super::{INTEGER, INVERSE_CUBE_ROOT, LANES, Mask, Simd, Wide};
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Eight `f64` as an array; the compiler makes vectors of the caller's instruction set of it. `FUSED`: multiply and
-/// add with one rounding, which is fast only where the instruction set has it.
+/// Eight `f64` as an array; the compiler makes vectors of what all machines have of it.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub struct Array<const FUSED: bool>([f64; LANES]);
+pub struct Array([f64; LANES]);
 
 #[inline(always)]
-fn lanes<const FUSED: bool>(f: impl FnMut(usize) -> f64) -> Array<FUSED> {
+fn lanes(f: impl FnMut(usize) -> f64) -> Array {
     Array(from_fn(f))
-}
-
-/// a · b + c. Without `FUSED` two roundings: `mul_add` would be a library call.
-#[inline(always)]
-fn multiply_add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
 #[inline(always)]
@@ -25,7 +18,9 @@ fn mask(f: impl Fn(usize) -> bool) -> Mask {
     (0..LANES).fold(0, |bits, i| bits | u8::from(f(i)) << i)
 }
 
-impl<const FUSED: bool> Simd for Array<FUSED> {
+impl Simd for Array {
+    type Upper = Self;
+
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Array([x; LANES])
@@ -38,17 +33,18 @@ impl<const FUSED: bool> Simd for Array<FUSED> {
     fn store(self, to: &mut Wide) {
         to.0 = self.0;
     }
+    // two roundings: `mul_add` would be a library call
     #[inline(always)]
     fn fma(self, b: Self, c: Self) -> Self {
-        lanes(|i| multiply_add::<FUSED>(self.0[i], b.0[i], c.0[i]))
+        lanes(|i| self.0[i] * b.0[i] + c.0[i])
     }
     #[inline(always)]
     fn fms(self, b: Self, c: Self) -> Self {
-        lanes(|i| multiply_add::<FUSED>(self.0[i], b.0[i], -c.0[i]))
+        lanes(|i| self.0[i] * b.0[i] - c.0[i])
     }
     #[inline(always)]
     fn fnma(self, b: Self, c: Self) -> Self {
-        lanes(|i| multiply_add::<FUSED>(-self.0[i], b.0[i], c.0[i]))
+        lanes(|i| c.0[i] - self.0[i] * b.0[i])
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -92,12 +88,7 @@ impl<const FUSED: bool> Simd for Array<FUSED> {
     }
     #[inline(always)]
     fn scale_exponent(self, n: Self) -> Self {
-        // in two factors, so that results near the ends of the range stay right
-        let two_to = |n: f64| f64::from_bits(((1023.0 + n.clamp(-1022.0, 1023.0)) as u64) << 52);
-        lanes(|i| {
-            let half = (0.5 * n.0[i]).floor();
-            self.0[i] * two_to(half) * two_to(n.0[i] - half)
-        })
+        lanes(|i| self.0[i] * f64::from_bits(((1023.0 + n.0[i]) as u64) << 52))
     }
     #[inline(always)]
     fn split_exponent(self) -> (Self, Self) {
@@ -106,6 +97,15 @@ impl<const FUSED: bool> Simd for Array<FUSED> {
         let exponent = |x: f64| (x.to_bits().wrapping_sub(ROOT_HALF) as i64) >> 52;
         let mantissa = |x: f64| f64::from_bits(x.to_bits().wrapping_sub((exponent(x) as u64) << 52));
         (lanes(|i| mantissa(self.0[i])), lanes(|i| exponent(self.0[i]) as f64))
+    }
+    #[inline(always)]
+    fn guess_inverse_cube_root(self) -> Self {
+        let all = INTEGER + INTEGER / 3.0 + INVERSE_CUBE_ROOT;
+        lanes(|i| {
+            // 2⁵² + h(x), then 2⁵² + h(x^(−1/3))
+            let number = INTEGER + (self.0[i].to_bits() >> 32) as f64;
+            f64::from_bits((all - number * (1.0 / 3.0)).to_bits() << 32)
+        })
     }
     #[inline(always)]
     fn transpose(rows: [Self; LANES]) -> [Self; LANES] {
@@ -117,8 +117,20 @@ impl<const FUSED: bool> Simd for Array<FUSED> {
         lanes(|i| if (4..7).contains(&i) { b.0[i] } else { a.0[i] })
     }
     #[inline(always)]
+    fn force(self) -> Self {
+        lanes(|i| if (4..7).contains(&i) { self.0[i] } else { 0.0 })
+    }
+    #[inline(always)]
     fn low_to_force(self) -> Self {
         lanes(|i| if (4..7).contains(&i) { self.0[i - 4] } else { 0.0 })
+    }
+    #[inline(always)]
+    fn times_upper(self, t: Self) -> Self {
+        self * t
+    }
+    #[inline(always)]
+    fn fma_upper(self, b: Self, t: Self) -> Self {
+        self.fma(b, t)
     }
     #[inline(always)]
     fn momentum_to_low(self) -> Self {
@@ -147,7 +159,7 @@ impl<const FUSED: bool> Simd for Array<FUSED> {
 
 macro_rules! operators {
     ($($Trait:ident $method:ident),*) => {$(
-        impl<const FUSED: bool> $Trait for Array<FUSED> {
+        impl $Trait for Array {
             type Output = Self;
             #[inline(always)]
             fn $method(self, b: Self) -> Self {
@@ -158,7 +170,7 @@ macro_rules! operators {
 }
 operators!(Add add, Sub sub, Mul mul, Div div);
 
-impl<const FUSED: bool> Neg for Array<FUSED> {
+impl Neg for Array {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {

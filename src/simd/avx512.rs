@@ -1,6 +1,6 @@
 //! AVX-512. Every method is inlined into a caller that has the features (see `Isa::dispatch`).
 #![allow(unsafe_code)]
-use super::{LANES, Mask, Simd, Wide};
+use super::{INTEGER, INVERSE_CUBE_ROOT, LANES, Mask, Simd, Wide};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -50,6 +50,8 @@ fn even_columns(pairs: [Avx512; 4]) -> [Avx512; 4] {
 }
 
 impl Simd for Avx512 {
+    type Upper = Self;
+
     #[inline(always)]
     fn splat(x: f64) -> Self {
         op!(_mm512_set1_pd(x))
@@ -137,6 +139,17 @@ impl Simd for Avx512 {
         (Avx512(mantissa), Avx512(exponent))
     }
     #[inline(always)]
+    fn guess_inverse_cube_root(self) -> Self {
+        op!({
+            // 2⁵² + h(x), then 2⁵² + h(x^(−1/3))
+            let upper = _mm512_srli_epi64::<32>(_mm512_castpd_si512(self.0));
+            let number = _mm512_or_si512(upper, _mm512_castpd_si512(_mm512_set1_pd(INTEGER)));
+            let all = _mm512_set1_pd(INTEGER + INTEGER / 3.0 + INVERSE_CUBE_ROOT);
+            let guess = _mm512_fnmadd_pd(_mm512_castsi512_pd(number), _mm512_set1_pd(1.0 / 3.0), all);
+            _mm512_castsi512_pd(_mm512_slli_epi64::<32>(_mm512_castpd_si512(guess)))
+        })
+    }
+    #[inline(always)]
     fn transpose(r: [Self; LANES]) -> [Self; LANES] {
         // pairs of rows, then quarters, then halves
         let [c0, c2, c4, c6] =
@@ -149,6 +162,18 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn blend_force(a: Self, b: Self) -> Self {
         op!(_mm512_mask_blend_pd(FORCE, a.0, b.0))
+    }
+    #[inline(always)]
+    fn force(self) -> Self {
+        op!(_mm512_maskz_mov_pd(FORCE, self.0))
+    }
+    #[inline(always)]
+    fn times_upper(self, t: Self) -> Self {
+        self * t
+    }
+    #[inline(always)]
+    fn fma_upper(self, b: Self, t: Self) -> Self {
+        self.fma(b, t)
     }
     #[inline(always)]
     fn low_to_force(self) -> Self {

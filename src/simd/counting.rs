@@ -69,7 +69,7 @@ pub fn take() -> Counts {
 
 /// Eight `f64` that count, for the thread that computes with them. Slow.
 #[derive(Clone, Copy)]
-pub struct Counting(Array<false>);
+pub struct Counting(Array);
 
 /// Methods that count once and do what arrays do.
 macro_rules! counted {
@@ -86,8 +86,8 @@ macro_rules! counted {
 trait Counted<T> {
     fn wrap(from: T) -> Self;
 }
-impl Counted<Array<false>> for Counting {
-    fn wrap(from: Array<false>) -> Self {
+impl Counted<Array> for Counting {
+    fn wrap(from: Array) -> Self {
         Counting(from)
     }
 }
@@ -98,6 +98,8 @@ impl Counted<Mask> for Mask {
 }
 
 impl Simd for Counting {
+    type Upper = Self;
+
     fn splat(x: f64) -> Self {
         Counting(Array::splat(x))
     }
@@ -126,7 +128,10 @@ impl Simd for Counting {
         differs(b) -> Mask, Other;
         swap_halves() -> Self, Other;
         scale_exponent(n) -> Self, Other;
+        force() -> Self, Other;
         low_to_force() -> Self, Other;
+        times_upper(t) -> Self, Simple;
+        fma_upper(b, t) -> Self, Fused;
         momentum_to_low() -> Self, Other;
         with_3_7(g) -> Self, Other;
         with_3(g) -> Self, Other;
@@ -140,6 +145,12 @@ impl Simd for Counting {
         count(Kind::Other, 5);
         let (mantissa, exponent) = self.0.split_exponent();
         (Counting(mantissa), Counting(exponent))
+    }
+    fn guess_inverse_cube_root(self) -> Self {
+        // a product and a difference, two shifts, and a union of bits
+        count(Kind::Fused, 1);
+        count(Kind::Other, 3);
+        Counting(self.0.guess_inverse_cube_root())
     }
     fn transpose(rows: [Self; LANES]) -> [Self; LANES] {
         count(Kind::Other, 24);

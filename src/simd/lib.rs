@@ -4,16 +4,21 @@
 //! serves every instruction set; [`Isa::dispatch`] is the only door from run-time detection to code
 //! compiled for a set. All `unsafe` of the kernels lives in this folder.
 mod array;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
 mod avx512;
 pub mod counting;
+mod halves;
+mod isa;
 pub mod math;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod ticks;
 
 pub use array::Array;
-use avx512::Avx512;
 use bytemuck::{Pod, Zeroable};
-use counting::Counting;
-use std::fmt;
+pub use isa::{Isa, Job};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 pub use ticks::ticks;
 
@@ -27,6 +32,11 @@ pub struct Wide(pub [f64; LANES]);
 
 /// One bit a lane.
 pub type Mask = u8;
+
+/// 2⁵²: added to an integer below it, it leaves that integer in the low bits.
+const INTEGER: f64 = (1u64 << 52) as f64;
+/// The upper halves h(x) of doubles are about linear in log₂ x: h(x^(−1/3)) ≈ this − h(x)/3, where it errs as far up as down.
+const INVERSE_CUBE_ROOT: f64 = 0x553E_F0EC as f64;
 
 /// A vector of eight `f64` in registers.
 ///
@@ -43,6 +53,10 @@ pub trait Simd:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+    /// Lanes 4–7 alone: what a node has of forces. A half line where registers are no longer, so that nothing is spent on
+    /// lanes that are zero.
+    type Upper: Copy + Add<Output = Self::Upper> + Sub<Output = Self::Upper>;
+
     /// The same number in every lane.
     fn splat(x: f64) -> Self;
     /// The eight numbers of a line.
@@ -75,17 +89,25 @@ pub trait Simd:
     fn differs(self, b: Self) -> Mask;
     /// `yes` in the lanes of `mask`, `no` in the others.
     fn select(mask: Mask, yes: Self, no: Self) -> Self;
-    /// self · 2ⁿ for integral n
+    /// self · 2ⁿ for integral n with |n| ≤ 1022
     fn scale_exponent(self, n: Self) -> Self;
     /// (m, e) with self = m · 2ᵉ and m in [√½, √2), for normal positive numbers
     fn split_exponent(self) -> (Self, Self);
+    /// Within 4 % of self^(−1/3), for normal positive numbers (see [`math::inverse_cube_root`]).
+    fn guess_inverse_cube_root(self) -> Self;
     /// Lane j of row i becomes lane i of row j.
     fn transpose(rows: [Self; LANES]) -> [Self; LANES];
 
     /// Lanes 4–6 from `b`, the others from `a`.
     fn blend_force(a: Self, b: Self) -> Self;
-    /// Lanes 0–2 moved to lanes 4–6, the others zero.
-    fn low_to_force(self) -> Self;
+    /// Lanes 4–6 of the upper half, lane 7 zero.
+    fn force(self) -> Self::Upper;
+    /// Lanes 0–2 moved to lanes 4–6 of the upper half, lane 7 zero.
+    fn low_to_force(self) -> Self::Upper;
+    /// self · t in the upper half, for finite self: registers that hold a line multiply zeros in the lower one.
+    fn times_upper(self, t: Self::Upper) -> Self::Upper;
+    /// self · b, and in the upper half self · b + t.
+    fn fma_upper(self, b: Self, t: Self::Upper) -> Self;
     /// `[p, 0, f, 0]` from `[m, p, f, V]`: lanes 1–3 to 0–2, the force stays.
     fn momentum_to_low(self) -> Self;
     /// Lanes 4–7, then lanes 0–3.
@@ -104,117 +126,6 @@ pub trait Simd:
         self.store(&mut line);
         line.0
     }
-}
-
-/// Instruction set, chosen once at run time. Only [`Isa::available`] makes those that need detection, and outside this
-/// module nobody can name the AVX-512 vector: that is what makes `dispatch` sound.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Isa(Level);
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Level {
-    Avx512,
-    Avx2,
-    Baseline,
-    Counting,
-}
-
-impl Isa {
-    /// Plain arrays: runs on every machine.
-    pub const BASELINE: Isa = Isa(Level::Baseline);
-
-    /// Counts operations instead of being fast (see [`counting::take`]). Nobody gets it who does not ask for it here.
-    pub const COUNTING: Isa = Isa(Level::Counting);
-
-    /// The sets of this machine, the best first.
-    pub fn available() -> Vec<Self> {
-        macro_rules! all {
-            ($($feature:tt)*) => { $(is_x86_feature_detected!($feature))&&* };
-        }
-        let mut sets = Vec::new();
-        if all!("avx512f" "avx512bw" "avx512dq" "avx512vl" "fma" "bmi1" "bmi2" "lzcnt") {
-            sets.push(Isa(Level::Avx512));
-        }
-        if all!("avx2" "fma" "bmi1" "bmi2" "lzcnt") {
-            sets.push(Isa(Level::Avx2));
-        }
-        sets.push(Isa::BASELINE);
-        sets
-    }
-
-    /// The best set of this machine.
-    pub fn detect() -> Self {
-        Self::available()[0]
-    }
-
-    /// The set named by the environment variable `SINEW_ISA` (`avx512`, `avx2`, `baseline`), else the best.
-    ///
-    /// # Errors
-    /// An unknown name, or a set that this machine lacks: the message names the choices.
-    pub fn from_environment() -> Result<Self, String> {
-        let available = Self::available();
-        let Some(name) = std::env::var("SINEW_ISA").ok().filter(|name| !name.is_empty()) else {
-            return Ok(available[0]);
-        };
-        available.iter().copied().find(|isa| isa.name() == name).ok_or_else(|| {
-            let names: Vec<&str> = available.iter().map(|isa| isa.name()).collect();
-            format!("SINEW_ISA={name}: this machine offers {}", names.join(", "))
-        })
-    }
-
-    /// `avx512`, `avx2` or `baseline`; `counting` counts.
-    pub fn name(self) -> &'static str {
-        match self.0 {
-            Level::Avx512 => "avx512",
-            Level::Avx2 => "avx2",
-            Level::Baseline => "baseline",
-            Level::Counting => "counting",
-        }
-    }
-
-    /// Runs `job` compiled for this instruction set.
-    #[inline]
-    #[allow(unsafe_code)]
-    pub fn dispatch<J: Job>(self, job: J) -> J::Output {
-        match self.0 {
-            // SAFETY: only `available` makes this value, and only where all these features exist.
-            Level::Avx512 => unsafe { with_avx512(job) },
-            // SAFETY: as above.
-            Level::Avx2 => unsafe { with_avx2(job) },
-            Level::Baseline => job.run::<Array<false>>(),
-            Level::Counting => counted(job),
-        }
-    }
-}
-
-impl fmt::Debug for Isa {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// Work that is compiled once per instruction set: `run` and all it inlines see `S`'s features.
-pub trait Job {
-    /// What `run` returns.
-    type Output;
-    /// The work. Mark it, and what it calls per particle, `#[inline(always)]`.
-    fn run<S: Simd>(self) -> Self::Output;
-}
-
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,fma,bmi1,bmi2,lzcnt")]
-fn with_avx512<J: Job>(job: J) -> J::Output {
-    job.run::<Avx512>()
-}
-
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-fn with_avx2<J: Job>(job: J) -> J::Output {
-    job.run::<Array<true>>()
-}
-
-#[cold]
-#[inline(never)]
-fn counted<J: Job>(job: J) -> J::Output {
-    job.run::<Counting>()
 }
 
 /// Loads lines. A loop, not `map`: the standard library may be compiled as functions of its own, without the
@@ -240,10 +151,18 @@ pub fn store<S: Simd>(vectors: &[S], lines: &mut [Wide]) {
 #[inline(always)]
 #[allow(unsafe_code)]
 pub fn prefetch(lines: &[Wide], ahead: usize) {
+    let line = lines.as_ptr().wrapping_add(ahead);
     #[cfg(target_arch = "x86_64")]
     // SAFETY: a prefetch never faults, whatever the address.
     unsafe {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        _mm_prefetch::<_MM_HINT_T0>(lines.as_ptr().wrapping_add(ahead).cast());
+        _mm_prefetch::<_MM_HINT_T0>(line.cast());
     }
+    #[cfg(target_arch = "aarch64")]
+    // SAFETY: as above.
+    unsafe {
+        std::arch::asm!("prfm pldl1keep, [{}]", in(reg) line, options(nostack, preserves_flags, readonly));
+    }
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    let _ = line;
 }

@@ -8,4 +8,5 @@ mod pages;
 mod registries;
 mod scene_docs;
 mod scenes;
+mod simd_lanes;
 mod simd_math;

@@ -28,25 +28,47 @@ pub fn overlap(shape: &BlockShape, d: [i32; 3], touched: &IndexBox) -> Option<(I
     Some((nodes, shift))
 }
 
-/// Runs `each(nodes, nodes of the buffer)` on every pencil along z that a block shares with the `touched` part of the buffer
-/// of the one at `d`.
+/// Every pencil along z that a block shares with the `touched` part of the buffer of the one at `d`: its nodes, and those of
+/// the buffer. An iterator: what a closure does may be compiled as a function of its own, without the instruction set of the
+/// caller.
 #[inline(always)]
-pub fn pencils(
-    shape: &BlockShape,
-    d: [i32; 3],
-    touched: &IndexBox,
-    mut each: impl FnMut(Range<usize>, Range<usize>),
-) {
-    let Some((nodes, shift)) = overlap(shape, d, touched) else { return };
-    let IndexBox { lower: [x0, y0, z0], upper: [x1, y1, z1] } = nodes;
-    let ([nx, ny, _], [bx, by, _]) = (shape.node_strides, shape.buffer_strides);
-    for x in x0..x1 {
-        for y in y0..y1 {
-            let own = (x * nx + y * ny + z0) as usize;
-            let line = ((x + shift[0]) * bx + (y + shift[1]) * by + z0 + shift[2]) as usize;
-            let count = (z1 - z0) as usize;
-            each(own..own + count, line..line + count);
+pub fn pencils(shape: &BlockShape, d: [i32; 3], touched: &IndexBox) -> Pencils {
+    const NOTHING: (IndexBox, [i32; 3]) = (IndexBox { lower: [0; 3], upper: [0; 3] }, [0; 3]);
+    let (nodes, shift) = overlap(shape, d, touched).unwrap_or(NOTHING);
+    Pencils {
+        at: [nodes.lower[0], nodes.lower[1]],
+        nodes,
+        shift,
+        node_strides: shape.node_strides,
+        buffer_strides: shape.buffer_strides,
+    }
+}
+
+/// See [`pencils`].
+pub struct Pencils {
+    /// x and y of the next one.
+    at: [i32; 2],
+    nodes: IndexBox,
+    shift: [i32; 3],
+    node_strides: [i32; 3],
+    buffer_strides: [i32; 3],
+}
+
+impl Iterator for Pencils {
+    type Item = (Range<usize>, Range<usize>);
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Self::Item> {
+        let ([x, y], IndexBox { lower, upper }) = (self.at, self.nodes);
+        if x >= upper[0] {
+            return None;
         }
+        self.at = if y + 1 < upper[1] { [x, y + 1] } else { [x + 1, lower[1]] };
+        let ([nx, ny, _], [bx, by, _], shift) = (self.node_strides, self.buffer_strides, self.shift);
+        let own = (x * nx + y * ny + lower[2]) as usize;
+        let there = ((x + shift[0]) * bx + (y + shift[1]) * by + lower[2] + shift[2]) as usize;
+        let count = (upper[2] - lower[2]) as usize;
+        Some((own..own + count, there..there + count))
     }
 }
 
@@ -147,9 +169,9 @@ impl<'a> Around<'a> {
     #[inline(always)]
     fn announce(&self, q: usize) {
         if let Some((partial, touched)) = self.partial(q) {
-            pencils(self.shape, offset(q), touched, |_, there| {
+            for (_, there) in pencils(self.shape, offset(q), touched) {
                 lines(there, self.width).for_each(|line| prefetch(&partial[line..], 0));
-            });
+            }
         }
     }
 }
@@ -192,12 +214,12 @@ impl Around<'_> {
         for q in 0..27 {
             from.announce(q + AHEAD);
             let Some((partial, touched)) = from.partial(q) else { continue };
-            pencils(from.shape, offset(q), touched, |own, there| {
+            for (own, there) in pencils(from.shape, offset(q), touched) {
                 let (own, there) = (lines(own, from.width), lines(there, from.width));
                 for (sum, part) in sums[own].iter_mut().zip(&partial[there]) {
                     (S::load(sum) + S::load(part)).store(sum);
                 }
-            });
+            }
         }
     }
 }
@@ -207,10 +229,10 @@ fn merge(from: &Around<'_>, combine: Combine, sums: &mut [Wide]) {
     reduction::clear(combine, sums);
     for q in 0..27 {
         let Some((partial, touched)) = from.partial(q) else { continue };
-        pencils(from.shape, offset(q), touched, |own, there| {
+        for (own, there) in pencils(from.shape, offset(q), touched) {
             let (own, there) = (lines(own, from.width), lines(there, from.width));
             reduction::merge(combine, &mut sums[own], &partial[there]);
-        });
+        }
     }
 }
 
@@ -248,9 +270,9 @@ impl<'a> ValuesAround<'a> {
     #[inline(always)]
     fn announce(&self, q: usize) {
         if let Some(values) = self.values(q) {
-            pencils(self.shape, back(q), self.touched, |own, _| {
+            for (own, _) in pencils(self.shape, back(q), self.touched) {
                 lines(own, self.width).for_each(|line| prefetch(&values[line..], 0));
-            });
+            }
         }
     }
 }
@@ -291,13 +313,16 @@ impl ValuesAround<'_> {
         for q in 0..27 {
             from.announce(q + AHEAD);
             let values = from.values(q);
-            pencils(from.shape, back(q), from.touched, |own, here| {
+            for (own, here) in pencils(from.shape, back(q), from.touched) {
                 let (own, here) = (lines(own, from.width), lines(here, from.width));
-                let Some(values) = values else { return region[here].fill(Wide::default()) };
+                let Some(values) = values else {
+                    region[here].fill(Wide::default());
+                    continue;
+                };
                 for (to, from) in region[here].iter_mut().zip(&values[own]) {
                     S::load(from).store(to);
                 }
-            });
+            }
         }
     }
 }

@@ -188,11 +188,11 @@ impl Job for Add<'_> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        pencils(self.shape, back(self.q), self.touched, |own, here| {
+        for (own, here) in pencils(self.shape, back(self.q), self.touched) {
             let (own, here) = (lines(own, self.width), lines(here, self.width));
             for (sum, part) in self.sums[own].iter_mut().zip(&self.partial[here]) {
                 (S::load(sum) + S::load(part)).store(sum);
             }
-        });
+        }
     }
 }

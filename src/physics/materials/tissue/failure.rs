@@ -1,5 +1,5 @@
 //! When tissue fails, as types: the criterion is compiled into the law.
-use super::{State, Terms};
+use super::{State, Tissue};
 use crate::law::{Events, Kinematics, MAX_COUNTS, MAX_EVENTS, UNSTABLE, Variable, inadmissible};
 use crate::tensor::{determinant, solve};
 use simd::{Mask, Simd};
@@ -38,7 +38,7 @@ pub struct Verdict {
     pub events: Events,
 }
 
-/// A failure criterion. Its history follows the three numbers of the fiber.
+/// A failure criterion. `history` is that of the tissue: the three numbers of the fiber, then its own.
 pub trait Failure: Copy + Send + Sync + 'static {
     /// Fiber direction and the numbers of the criterion.
     const HISTORY: &'static [Variable];
@@ -49,13 +49,12 @@ pub trait Failure: Copy + Send + Sync + 'static {
     /// Names of the states whose particles are counted; the last one is [`UNSTABLE`], which the tissue itself sees to.
     const COUNTS: &'static [&'static str];
 
-    /// Judges the step. `stored(F, J)` are the energies of all terms; it is dear.
+    /// Judges the step of a tissue of this criterion.
     fn judge<S: Simd>(
-        &self,
+        tissue: &Tissue<Self>,
         state: &State<S>,
         k: &Kinematics<S>,
         history: &mut [S],
-        stored: impl Fn(&[S; 9], S) -> Terms<S>,
     ) -> Verdict;
 
     /// What acts at a volume ratio J.
@@ -80,13 +79,7 @@ impl Failure for NoFailure {
     const COUNTS: &'static [&'static str] = &[UNSTABLE];
 
     #[inline(always)]
-    fn judge<S: Simd>(
-        &self,
-        state: &State<S>,
-        _: &Kinematics<S>,
-        _: &mut [S],
-        _: impl Fn(&[S; 9], S) -> Terms<S>,
-    ) -> Verdict {
+    fn judge<S: Simd>(_: &Tissue<Self>, state: &State<S>, _: &Kinematics<S>, _: &mut [S]) -> Verdict {
         let events = Events { inverted: inadmissible(state.j), ..Events::default() };
         Verdict { present: Present::ALL, events }
     }
@@ -144,7 +137,7 @@ impl TwoSurface {
     /// With the differences d of the principal values of C (or of b, which has the same), J₂ and J₃ of its
     /// deviator, and T the limit of the largest: Π (d² − T²) = 4 J₂³ − 27 J₃² − 9 J₂² T² + 6 J₂ T⁴ − T⁶.
     /// The squares sum to 6 J₂, and the largest is within 3 J₂ and 4 J₂, so the others are at most 3 J₂.
-    /// Where 3 J₂ < T² the product has therefore the sign of d_max² − T²: no eigenvalue is needed.
+    /// Where 3 J₂ < T² the product has therefore the sign of d_max² − T²: no eigenvalue is needed, and where 4 J₂ < T² nothing.
     #[inline(always)]
     fn sheared<S: Simd>(&self, state: &State<S>) -> Mask {
         let splat = S::splat;
@@ -152,9 +145,13 @@ impl TwoSurface {
         // these are invariants of b̃ = J^(−2/3) b, so T shrinks alike; t = T²
         let limit = splat(self.span) * root * root;
         let t = limit * limit;
+        let suspects = j2.ge(splat(0.25) * t);
+        if suspects == 0 {
+            return suspects;
+        }
         let square = splat(4.0).fma(j2, splat(-9.0) * t).fma(j2, splat(6.0) * t * t);
         let product = (splat(-27.0) * j3).fma(j3, square.fma(j2, -(t * t * t)));
-        j2.ge(splat(1.0 / 3.0) * t) | j2.ge(splat(0.25) * t) & product.ge(splat(0.0))
+        j2.ge(splat(1.0 / 3.0) * t) | suspects & product.ge(splat(0.0))
     }
 
     /// What acts at a volume ratio J.
@@ -188,47 +185,49 @@ impl Failure for TwoSurface {
 
     #[inline(always)]
     fn judge<S: Simd>(
-        &self,
+        tissue: &Tissue<Self>,
         state: &State<S>,
         k: &Kinematics<S>,
         history: &mut [S],
-        stored: impl Fn(&[S; 9], S) -> Terms<S>,
     ) -> Verdict {
-        let was = Failed::from_code(history[0]);
-        let was_frozen = self.frozen(was);
+        let (limits, was) = (&tissue.failure, Failed::from_code(history[CODE]));
+        let was_frozen = limits.frozen(was);
         let bad = inadmissible(state.j);
-        let crushed = bad & self.crushes & !was_frozen;
+        let crushed = bad & limits.crushes & !was_frozen;
         let sound = !(bad | was_frozen);
-        let torn = state.stretch.ge(S::splat(self.stretch));
+        let torn = state.stretch.ge(S::splat(limits.stretch));
         let now = Failed {
-            matrix: was.matrix | self.sheared(state) & sound | crushed,
+            matrix: was.matrix | limits.sheared(state) & sound | crushed,
             fiber: was.fiber | torn & sound | crushed,
             crushed: was.crushed | crushed,
         };
         let mut own = [0; MAX_EVENTS];
         own[0] = now.matrix & !was.matrix;
         own[1] = now.fiber & !was.fiber;
-        let frozen = self.frozen(now);
+        let frozen = limits.frozen(now);
         if own[0] | own[1] | crushed != 0 {
             // a crushed particle releases what it held before the step, if that can be known
             let old = solve(&k.increment, &k.f);
-            let f: [S; 9] = std::array::from_fn(|i| S::select(crushed, old[i], k.f[i]));
-            let j = S::select(crushed, determinant(&old), k.j);
-            let lost = self.terms_left(was, j).without(self.terms_left(now, j));
-            let released = S::select(inadmissible(j) | was_frozen, S::splat(0.0), stored(&f, j).sum(lost));
-            history[0] = now.code();
-            history[1] = history[1] + released;
+            let (mut f, j) = (k.f, S::select(crushed, determinant(&old), k.j));
+            for (f, old) in f.iter_mut().zip(old) {
+                *f = S::select(crushed, old, *f);
+            }
+            let lost = limits.terms_left(was, j).without(limits.terms_left(now, j));
+            let stored = tissue.terms(&State::new(&f, j, &[history[0], history[1], history[2]]));
+            let released = S::select(inadmissible(j) | was_frozen, S::splat(0.0), stored.sum(lost));
+            history[CODE] = now.code();
+            history[RELEASED] = history[RELEASED] + released;
         }
         let events = Events { own, inverted: bad & !frozen, frozen };
-        Verdict { present: self.terms_left(now, state.j), events }
+        Verdict { present: limits.terms_left(now, state.j), events }
     }
     #[inline(always)]
     fn present<S: Simd>(&self, j: S, history: &[S]) -> Present {
-        self.terms_left(Failed::from_code(history[0]), j)
+        self.terms_left(Failed::from_code(history[CODE]), j)
     }
     #[inline(always)]
     fn counts<S: Simd>(&self, history: &[S]) -> [Mask; MAX_COUNTS] {
-        let Failed { matrix, fiber, crushed } = Failed::from_code(history[0]);
+        let Failed { matrix, fiber, crushed } = Failed::from_code(history[CODE]);
         // each particle in one of them: failed in its matrix alone, in its fibers alone, in both, in both by inversion
         let mut counts = [0; MAX_COUNTS];
         counts[0] = matrix & !fiber;
@@ -239,9 +238,13 @@ impl Failure for TwoSurface {
     }
     #[inline(always)]
     fn released<S: Simd>(&self, history: &[S]) -> S {
-        history[1]
+        history[RELEASED]
     }
 }
+
+// where in the history
+const CODE: usize = 3;
+const RELEASED: usize = 4;
 
 /// What the numbers of `failure` mean.
 const CODES: &[&str] = &[

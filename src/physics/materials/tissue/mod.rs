@@ -80,7 +80,7 @@ impl<S: Simd> State<S> {
     #[inline(always)]
     pub fn new(f: &[S; 9], j: S, fiber: &[S; 3]) -> Self {
         let ln_j = math::ln(j);
-        let root = math::exp(ln_j * S::splat(-1.0 / 3.0));
+        let root = math::inverse_cube_root(j);
         let scale = root * root;
         let b = scaled(scale, times_transpose(f));
         let (mean, j2, j3) = deviator_invariants(&b);
@@ -208,7 +208,7 @@ impl<F: Failure> Tissue<F> {
     #[inline(always)]
     fn unstable<S: Simd>(&self, k: &Kinematics<S>, history: &[S]) -> Mask {
         let state = State::new(&k.f, k.j, &[history[0], history[1], history[2]]);
-        let Present { matrix, fiber, volume } = self.failure.present(k.j, &history[3..]);
+        let Present { matrix, fiber, volume } = self.failure.present(k.j, history);
         let (h, slope) = self.fiber(state.root * state.stretch);
         let (bulk, shear) = (S::splat(self.bulk), S::splat(2.0 * self.c1));
         let along = quadratic(&state.b, &state.fiber) / (state.stretch * state.stretch);
@@ -257,14 +257,13 @@ impl<F: Failure> Law for Tissue<F> {
     fn update<S: Simd>(&self, k: &Kinematics<S>, history: &mut [S]) -> Response<S> {
         let fiber = [history[0], history[1], history[2]];
         let state = State::new(&k.f, k.j, &fiber);
-        let stored = |f: &[S; 9], j: S| self.terms(&State::new(f, j, &fiber));
-        let Verdict { present, events } = self.failure.judge(&state, k, &mut history[3..], stored);
+        let Verdict { present, events } = F::judge(self, &state, k, history);
         self.respond(&state, present, events)
     }
 
     #[inline(always)]
     fn counts<S: Simd>(&self, k: &Kinematics<S>, history: &[S]) -> [Mask; MAX_COUNTS] {
-        let mut counts = self.failure.counts(&history[3..]);
+        let mut counts = self.failure.counts(history);
         counts[F::COUNTS.len() - 1] = self.unstable(k, history);
         counts
     }
@@ -272,8 +271,8 @@ impl<F: Failure> Law for Tissue<F> {
     #[inline(always)]
     fn energies<S: Simd>(&self, k: &Kinematics<S>, history: &[S]) -> Energies<S> {
         let state = State::new(&k.f, k.j, &[history[0], history[1], history[2]]);
-        let strain = self.terms(&state).sum(self.failure.present(k.j, &history[3..]));
-        let fracture = self.failure.released(&history[3..]);
+        let strain = self.terms(&state).sum(self.failure.present(k.j, history));
+        let fracture = self.failure.released(history);
         Energies { strain, plastic: S::splat(0.0), fracture }
     }
 

@@ -88,10 +88,10 @@ impl Adder {
             let length = context.node_layout.buffer * label.width();
             for field in 0..context.fields.of(self.material).len() {
                 for q in self.towards() {
-                    pencils(&context.shape, back(q), &header.touched, |_, there| {
+                    for (_, there) in pencils(&context.shape, back(q), &header.touched) {
                         let there = lines(there, label.width());
                         each(place, field * length + there.start..field * length + there.end);
-                    });
+                    }
                 }
             }
         }
