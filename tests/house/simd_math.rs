@@ -1,10 +1,11 @@
-//! exp and ln of the vector layer keep the errors that they state, on every instruction set.
+//! exp, ln and the inverse cube root of the vector layer keep the errors that they state, on every instruction set.
 use simd::{Isa, Job, Simd, Wide, math};
 
 #[derive(Clone, Copy)]
 enum Function {
     Exp,
     Ln,
+    InverseCubeRoot,
 }
 
 struct Evaluate<'a>(Function, &'a [f64]);
@@ -18,6 +19,7 @@ impl Job for Evaluate<'_> {
             match self.0 {
                 Function::Exp => math::exp(x),
                 Function::Ln => math::ln(x),
+                Function::InverseCubeRoot => math::inverse_cube_root(x),
             }
         };
         self.1.chunks(8).flat_map(|x| eight(x).lanes().into_iter().take(x.len())).collect()
@@ -25,7 +27,7 @@ impl Job for Evaluate<'_> {
 }
 
 fn both(function: Function, x: &[f64], check: impl Fn(f64, f64)) {
-    for isa in [Isa::detect(), Isa::BASELINE] {
+    for isa in Isa::available() {
         let y = isa.dispatch(Evaluate(function, x));
         x.iter().zip(&y).for_each(|(&x, &y)| check(x, y));
     }
@@ -70,4 +72,16 @@ fn ln_keeps_its_error() {
         assert!(error < 1e-17 + SLACK * x.ln().abs(), "ln {x}: {error:e}");
     });
     both(Function::Ln, &[1.0], |_, y| assert_eq!(y, 0.0));
+}
+
+#[test]
+fn the_inverse_cube_root_keeps_its_error() {
+    let wide: Vec<f64> = range(-700.0, 700.0, 400_000).into_iter().map(f64::exp).collect();
+    for x in [wide, range(0.01, 10.0, 400_000)] {
+        both(Function::InverseCubeRoot, &x, |x, y| {
+            let error = (y * x.cbrt() - 1.0).abs();
+            assert!(error < 4e-16 + 2.0 * SLACK, "{x}: {error:e}");
+        });
+    }
+    both(Function::InverseCubeRoot, &[1.0], |_, y| assert_eq!(y, 1.0));
 }

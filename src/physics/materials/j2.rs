@@ -68,8 +68,8 @@ impl Law for J2 {
 
     #[inline(always)]
     fn update<S: Simd>(&self, k: &Kinematics<S>, history: &mut [S]) -> Response<S> {
-        let scale = math::exp(math::ln(determinant(&k.increment)) * S::splat(-2.0 / 3.0));
-        let trial = scaled(scale, push_forward(&k.increment, &elastic(history)));
+        let root = math::inverse_cube_root(determinant(&k.increment));
+        let trial = scaled(root * root, push_forward(&k.increment, &elastic(history)));
         let alpha = history[6];
 
         // f = ‖s‖ − √(2/3) σy of the trial state; only its positive part flows

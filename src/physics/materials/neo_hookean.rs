@@ -43,8 +43,8 @@ impl NeoHookean {
 /// b̃ = J^(−2/3) F Fᵀ
 #[inline(always)]
 fn isochoric<S: Simd>(k: &Kinematics<S>) -> [S; 6] {
-    let scale = math::exp(math::ln(k.j) * S::splat(-2.0 / 3.0));
-    scaled(scale, times_transpose(&k.f))
+    let root = math::inverse_cube_root(k.j);
+    scaled(root * root, times_transpose(&k.f))
 }
 
 impl Described for NeoHookean {
