@@ -1,6 +1,6 @@
 //! Runs a bench: ceilings, steps with and without a meter, a counted step.
 use super::ceilings::{Ceiling, last_cache};
-use super::report::{Machine, Report, Rest, Sorting, State, Timing};
+use super::report::{FLOP_AN_UPDATE, Machine, Report, Rest, Sorting, State, Timing};
 use super::rows::{Findings, Metered};
 use crate::simulation::{RunError, Simulation, failures};
 use engine::data::warehouse::Warehouse;
@@ -82,8 +82,8 @@ pub fn bench(
         one_core: ceilings[0],
         all_cores: ceilings[1],
         state,
-        one_thread: one.timing(),
-        all_threads: all.timing(),
+        one_thread: one.timing(&ceilings[0]),
+        all_threads: all.timing(&ceilings[1]),
         sweeps,
         order: Some(order),
         ..Report::default()
@@ -162,7 +162,7 @@ impl Steps {
         Self { threads, rates: Vec::new(), metered: Metered::default() }
     }
 
-    fn timing(&mut self) -> Timing {
+    fn timing(&mut self, ceiling: &Ceiling) -> Timing {
         self.rates.sort_by(f64::total_cmp);
         let best = self.rates.last().copied().unwrap_or_default();
         let median = self.rates.get(self.rates.len() / 2).copied().unwrap_or_default();
@@ -171,6 +171,7 @@ impl Steps {
             best_updates_per_s: best,
             median_updates_per_s: median,
             best_update_ns: 1e9 / best,
+            fma_share: best * FLOP_AN_UPDATE / (1e9 * ceiling.fma_gflop_per_s),
         }
     }
 }

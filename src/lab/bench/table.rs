@@ -1,6 +1,6 @@
 //! The report for people.
 use super::ceilings::Ceiling;
-use super::report::{Report, Row, Timing};
+use super::report::{FLOP_AN_UPDATE, Report, Row, Timing};
 use std::fmt::{self, Display, Formatter};
 
 impl Display for Report {
@@ -152,10 +152,12 @@ impl Display for Shown<'_, Timing> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{:.2} million updates/s at best, {:.2} in the median; {:.1} ns an update",
+            "{:.2} million updates/s at best, {:.2} in the median; {:.1} ns an update, {:.1} % of the multiply-adds at {:.0} an update",
             self.0.best_updates_per_s / 1e6,
             self.0.median_updates_per_s / 1e6,
-            self.0.best_update_ns
+            self.0.best_update_ns,
+            100.0 * self.0.fma_share,
+            FLOP_AN_UPDATE
         )
     }
 }
