@@ -149,9 +149,14 @@ pub fn store<S: Simd>(vectors: &[S], lines: &mut [Wide]) {
 
 /// Asks for the line `ahead` lines after the first of `lines`, inside the slice or not.
 #[inline(always)]
-#[allow(unsafe_code)]
 pub fn prefetch(lines: &[Wide], ahead: usize) {
-    let line = lines.as_ptr().wrapping_add(ahead);
+    prefetch_at(lines.as_ptr().wrapping_add(ahead));
+}
+
+/// Asks for the line at an address, whatever it is.
+#[inline(always)]
+#[allow(unsafe_code)]
+pub fn prefetch_at<T>(line: *const T) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: a prefetch never faults, whatever the address.
     unsafe {

@@ -1,9 +1,9 @@
 //! What follows from the set of occupied blocks: their order, node blocks, neighbors, and who is near whom.
-use super::fields::{FieldId, FieldSet};
+use super::fields::FieldSet;
 use super::layout::NodeLayout;
 use super::map::Map;
 use super::nearby::Nearby;
-use super::nodes::{NOWHERE, NodeBlock, Place};
+use super::nodes::{NOWHERE, NodeBlock, Place, Present};
 use super::particles::ParticleBlock;
 use super::warehouse::{NodePatch, ParticlePatch, Warehouse};
 use grid::{BlockIndex, IndexBox};
@@ -216,7 +216,7 @@ fn mark(
 
 /// Makes node blocks where something is `wanted`, of the fields that touch them; one that stays as it was keeps its memory.
 fn renew(nodes: &mut NodePatch, blocks: IndexBox, [wanted, touched]: [&Map<u64>; 2], layout: &NodeLayout) {
-    let fields = |set: &FieldSet<'_>| set.iter().collect::<Vec<FieldId>>();
+    let fields = |set: &FieldSet<'_>| set.iter().collect::<Present>();
     // both lists are in x-major order
     let mut old = std::mem::take(&mut nodes.blocks).into_iter().peekable();
     let all = blocks.iter().map(|index| (index, touched.at(index)));

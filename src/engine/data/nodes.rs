@@ -3,7 +3,7 @@ use super::fields::FieldId;
 use super::layout::NodeLayout;
 use crate::schema::LabelId;
 use grid::BlockIndex;
-use simd::{LANES, Wide};
+use simd::{LANES, Wide, prefetch_at};
 use smallvec::SmallVec;
 use std::ops::Range;
 
@@ -16,13 +16,16 @@ pub const NOWHERE: Place = (u32::MAX, u32::MAX);
 /// Labels of nodes that a block keeps: few, so that they need no memory of their own.
 const FEW: usize = 2;
 
+/// Fields of a block: mostly so few that they need no memory of their own.
+pub type Present = SmallVec<[FieldId; 4]>;
+
 /// The labels that outlive a stage over nodes.
 #[derive(Clone, Debug)]
 pub struct NodeBlock {
     /// Which block.
     pub index: BlockIndex,
     /// Fields that touch its nodes, ascending.
-    pub present: Vec<FieldId>,
+    pub present: Present,
     /// A column a label that is kept (see [`NodeLayout::stored`]): the lines of all nodes, field after field.
     columns: SmallVec<[Vec<Wide>; FEW]>,
     /// For each present field, the number of the tick up to which its nodes have been integrated; below any tick where
@@ -38,7 +41,7 @@ pub struct NodeBlock {
 
 impl NodeBlock {
     /// A block that `present` fields touch.
-    pub fn new(index: BlockIndex, present: Vec<FieldId>, layout: &NodeLayout) -> Self {
+    pub fn new(index: BlockIndex, present: Present, layout: &NodeLayout) -> Self {
         let column = |label: &LabelId| match is_there(*label, present.len()) {
             true => vec![Wide::default(); layout.nodes * label.width() * present.len()],
             false => Vec::new(),
@@ -50,7 +53,7 @@ impl NodeBlock {
     }
 
     /// As `old`, but for other fields: those that stay keep what they have in the middle of a step.
-    pub fn succeed(old: &Self, present: Vec<FieldId>, layout: &NodeLayout) -> Self {
+    pub fn succeed(old: &Self, present: Present, layout: &NodeLayout) -> Self {
         let mut block = Self::new(old.index, present, layout);
         for to in 0..block.present.len() {
             let Some(from) = old.slot(block.present[to]) else { continue };
@@ -68,6 +71,13 @@ impl NodeBlock {
     #[inline(always)]
     pub fn slot(&self, field: FieldId) -> Option<usize> {
         self.present.iter().position(|&f| f == field)
+    }
+
+    /// Asks for what says where its columns are.
+    #[inline(always)]
+    pub fn announce(&self) {
+        prefetch_at(&raw const self.present);
+        prefetch_at(&raw const self.columns);
     }
 
     /// The column of the `place`-th label that is kept; empty where it is not there.
@@ -121,7 +131,7 @@ impl NodeBlock {
     pub fn from_lines(layout: &NodeLayout, lines: &mut &[Wide]) -> Option<Self> {
         let (head, mut after) = lines.split_first()?;
         let [x, y, z, count, ..]: [u64; 8] = bytemuck::cast(*head);
-        let mut present = Vec::new();
+        let mut present = Present::new();
         for first in (0..count as usize).step_by(LANES) {
             let (line, rest) = after.split_first()?;
             let numbers: [u64; LANES] = bytemuck::cast(*line);

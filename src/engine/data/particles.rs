@@ -4,7 +4,7 @@ use super::layout::{NodeLayout, ParticleLayout};
 use super::nodes::{NOWHERE, Place};
 use crate::schema::LabelId;
 use grid::{BlockIndex, IndexBox};
-use simd::{LANES, Wide};
+use simd::{LANES, Wide, prefetch_at};
 use smallvec::SmallVec;
 
 /// Lines of an extent.
@@ -70,6 +70,13 @@ impl ParticleBlock {
     /// Tiles in use.
     pub fn tiles(&self) -> usize {
         self.count.div_ceil(LANES)
+    }
+
+    /// Asks for what says what its particles add to nodes, and where that is.
+    #[inline(always)]
+    pub fn announce(&self) {
+        prefetch_at(&raw const self.partials);
+        prefetch_at(&raw const self.touched);
     }
 
     /// Bytes allocated.

@@ -1,8 +1,10 @@
 //! One stage on one block: columns are laid out, then the fused tasks run chunk by chunk.
 use super::buffers::Buffers;
-use super::halo::{Around, Clear, LoadRegion, SumPartials, ValuesAround};
+use super::halo::Clear;
 use super::meter::{Laps, StagePart, What};
+use super::region::{LoadRegion, ValuesAround};
 use super::scratch::{AHEAD, CHUNK, Scratch};
+use super::sums::{Around, SumPartials};
 use crate::data::extent;
 use crate::data::fields::{FieldId, Fields};
 use crate::data::layout::NodeLayout;
