@@ -26,6 +26,8 @@ pub struct ParticleBlock {
     /// What the particles add to nodes: a buffer a label (see [`NodeLayout::partial`]), for the fields of the material one
     /// after the other, from the first node of the buffer on; empty where there is nothing.
     pub partials: SmallVec<[Vec<Wide>; FEW]>,
+    /// Whether these have the lines of `touched` alone.
+    pub packed: bool,
     /// Bounds of the particles' base nodes.
     pub extent: Extent,
     /// The nodes of the buffers that hold something, since particles were added to nodes last.
@@ -56,6 +58,7 @@ impl ParticleBlock {
             capacity: 0,
             columns: Vec::new(),
             partials: nodes.partial().iter().map(|_| Vec::new()).collect(),
+            packed: false,
             extent: extent::NOBODY,
             touched: IndexBox { lower: [0; 3], upper: [0; 3] },
             leaving: true,
@@ -77,6 +80,11 @@ impl ParticleBlock {
     pub fn announce(&self) {
         prefetch_at(&raw const self.partials);
         prefetch_at(&raw const self.touched);
+    }
+
+    /// Where its columns are, and how many lines they have.
+    pub fn address(&self) -> (*const Wide, usize) {
+        (self.columns.as_ptr(), self.columns.len())
     }
 
     /// Bytes allocated.

@@ -7,6 +7,7 @@ pub mod halo;
 mod lending;
 pub mod meter;
 pub mod order;
+mod packed;
 pub mod ranks;
 pub mod recorder;
 pub mod region;

@@ -1,11 +1,11 @@
 //! The sums of nodes: what the particle blocks around a node block add to its nodes, in an order that no decomposition changes.
-use super::halo::{lines, overlap, pencils};
+use super::halo::{Pencils, lines, overlap, pencils};
 use crate::data::nodes::{NOWHERE, Place};
 use crate::data::particles::ParticleBlock;
 use crate::data::reduction;
 use crate::data::warehouse::ParticlePatch;
 use crate::schema::Combine;
-use grid::{BlockShape, IndexBox, offset};
+use grid::{BlockShape, offset};
 use simd::{Job, Simd, Wide, prefetch};
 
 /// What the blocks around a node block add to the nodes of one field.
@@ -34,20 +34,22 @@ impl<'a> Around<'a> {
         Some(&self.particles[patch as usize][self.material].blocks[at as usize])
     }
 
-    /// The buffer of the `q`-th block around and its part that holds something.
+    /// The buffer of the `q`-th block around, and the pencils along z that both blocks have.
     #[inline(always)]
-    fn partial(&self, q: usize) -> Option<(&'a [Wide], &'a IndexBox)> {
+    fn partial(&self, q: usize) -> Option<(&'a [Wide], Pencils)> {
         let block = self.block(q)?;
-        let length = self.shape.buffer_len() * self.width;
+        let nodes = if block.packed { block.touched.len() } else { self.shape.buffer_len() };
+        let length = nodes * self.width;
         let partial = block.partials[self.place].get(self.field * length..(self.field + 1) * length)?;
-        Some((partial, &block.touched))
+        let pencils = pencils(self.shape, offset(q), &block.touched);
+        Some((partial, pencils.packed(block.packed, &block.touched)))
     }
 
     /// Asks for the lines that the `q`-th block around adds.
     #[inline(always)]
     fn announce(&self, q: usize) {
-        if let Some((partial, touched)) = self.partial(q) {
-            for (_, there) in pencils(self.shape, offset(q), touched) {
+        if let Some((partial, pencils)) = self.partial(q) {
+            for (_, there) in pencils {
                 lines(there, self.width).for_each(|line| prefetch(&partial[line..], 0));
             }
         }
@@ -98,8 +100,8 @@ fn add<S: Simd>(from: &Around<'_>, sums: &mut [Wide]) {
     (0..AHEAD).for_each(|q| from.announce(q));
     for q in 0..27 {
         from.announce(q + AHEAD);
-        let Some((partial, touched)) = from.partial(q) else { continue };
-        for (own, there) in pencils(from.shape, offset(q), touched) {
+        let Some((partial, pencils)) = from.partial(q) else { continue };
+        for (own, there) in pencils {
             let (own, there) = (lines(own, from.width), lines(there, from.width));
             for (sum, part) in sums[own].iter_mut().zip(&partial[there]) {
                 (S::load(sum) + S::load(part)).store(sum);
@@ -112,8 +114,8 @@ fn add<S: Simd>(from: &Around<'_>, sums: &mut [Wide]) {
 fn merge(from: &Around<'_>, combine: Combine, sums: &mut [Wide]) {
     reduction::clear(combine, sums);
     for q in 0..27 {
-        let Some((partial, touched)) = from.partial(q) else { continue };
-        for (own, there) in pencils(from.shape, offset(q), touched) {
+        let Some((partial, pencils)) = from.partial(q) else { continue };
+        for (own, there) in pencils {
             let (own, there) = (lines(own, from.width), lines(there, from.width));
             reduction::merge(combine, &mut sums[own], &partial[there]);
         }

@@ -13,6 +13,7 @@ use crate::data::workspace::recycle;
 use crate::graph::exchange::{Exchange, Way};
 use crate::graph::phase::{Phase, Stage, When};
 use grid::{Decomposition, Partition, Patch};
+use simd::{Wide, prefetch_at};
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -142,12 +143,19 @@ pub fn over_particles<E: Executor>(
             let mine = |(material, _): &(usize, _)| stage.material == Some(*material);
             let Some((_, home)) = homes.find(mine) else { continue };
             let blocks = home.slab_mut(patch.blocks.lower[0], &layers).iter_mut();
-            items.extend(blocks.filter(|block| which.has(|| block.rim)).map(|block| (stage, block)));
+            items.extend(
+                blocks.filter(|block| which.has(|| block.rim)).map(|block| (stage, block, Next::default())),
+            );
         }
     }
+    let mut next = Next::default();
+    for (_, block, behind) in items.iter_mut().rev() {
+        (*behind, next) = (next, Next::of(block));
+    }
     let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
-    executor.each(&mut items, |worker, (stage, block)| {
+    executor.each(&mut items, |worker, (stage, block, next)| {
         let moment = watch.begin();
+        next.announce();
         sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
         block.cost += watch.end(began, moment, worker, stage, slab);
     });
@@ -209,6 +217,26 @@ pub fn travels(exchange: &Exchange, schedule: &Schedule, material: usize) -> boo
     acts && exchange.concerns(material)
 }
 
+/// The columns of the block that comes next in a list: lonely particles are over before memory has brought them. The address of a line
+/// and their number; 0 where there is none, or so many that they bring themselves.
+#[derive(Clone, Copy, Default)]
+struct Next(usize, usize);
+
+impl Next {
+    /// The most lines that are asked for.
+    const MOST: usize = 192;
+
+    fn of(block: &ParticleBlock) -> Self {
+        let (first, lines) = block.address();
+        if lines <= Self::MOST { Self(first as usize, lines) } else { Self::default() }
+    }
+
+    fn announce(self) {
+        let Self(first, lines) = self;
+        (0..lines).for_each(|line| prefetch_at((first + line * size_of::<Wide>()) as *const Wide));
+    }
+}
+
 /// A worker's scratch. Nobody else takes it while the worker works.
 pub fn lock(scratch: &Mutex<Scratch>) -> MutexGuard<'_, Scratch> {
     scratch.lock().unwrap_or_else(PoisonError::into_inner)
@@ -217,6 +245,6 @@ pub fn lock(scratch: &Mutex<Scratch>) -> MutexGuard<'_, Scratch> {
 /// Memory of the lists of blocks of a phase, which are empty between phases.
 #[derive(Default)]
 pub struct Memory {
-    particles: Vec<(&'static Stage, &'static mut ParticleBlock)>,
+    particles: Vec<(&'static Stage, &'static mut ParticleBlock, Next)>,
     nodes: Vec<&'static mut NodeBlock>,
 }

@@ -8,7 +8,7 @@ use engine::data::particles::ParticleBlock;
 use engine::data::schedule::Schedule;
 use engine::data::warehouse::{NodePatch, ParticlePatch};
 use engine::exec::buffers::Buffers;
-use engine::exec::halo::{back, lines, pencils};
+use engine::exec::halo::{Pencils, back, lines, pencils};
 use engine::exec::scratch::Scratch;
 use engine::exec::stage::{Context, sweep};
 use engine::exec::step::context;
@@ -16,7 +16,6 @@ use engine::exec::sums::{Around, SumPartials};
 use engine::exec::wave;
 use engine::graph::phase::{Stage, When};
 use engine::schema::LabelId;
-use grid::{BlockShape, IndexBox};
 use simd::{Job, Simd, Wide};
 use std::ops::Range;
 use std::time::Instant;
@@ -161,27 +160,28 @@ impl Trial<'_> {
             let partials = block.partials.iter().zip(node_layout.partial()).enumerate();
             for (place, (partial, label)) in partials.filter(|(_, (partial, _))| !partial.is_empty()) {
                 let (width, length) = (label.width(), node_layout.nodes * label.width());
-                let buffer = node_layout.buffer * width;
+                let nodes = if block.packed { block.touched.len() } else { node_layout.buffer };
+                let buffer = nodes * width;
                 let partial = &partial[number * buffer..(number + 1) * buffer];
                 for (q, &(patch, at)) in block.around.iter().enumerate().filter(|(_, n)| **n != NOWHERE) {
                     let nodes = &self.nodes[patch as usize].blocks[at as usize];
                     let Some(slot) = nodes.slot(field) else { continue };
                     let sums = &mut self.sums[patch as usize][at as usize][place];
                     let sums = &mut sums[slot * length..(slot + 1) * length];
-                    isa.dispatch(Add { shape, touched: &block.touched, partial, width, q, sums });
+                    let pencils =
+                        pencils(shape, back(q), &block.touched).packed(block.packed, &block.touched);
+                    isa.dispatch(Add { pencils, partial, width, sums });
                 }
             }
         }
     }
 }
 
-/// Adds what a block adds to the nodes of the `q`-th block around.
+/// Adds what a block adds to the nodes of one around.
 struct Add<'a> {
-    shape: &'a BlockShape,
-    touched: &'a IndexBox,
+    pencils: Pencils,
     partial: &'a [Wide],
     width: usize,
-    q: usize,
     sums: &'a mut [Wide],
 }
 
@@ -189,7 +189,7 @@ impl Job for Add<'_> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        for (own, here) in pencils(self.shape, back(self.q), self.touched) {
+        for (own, here) in self.pencils {
             let (own, here) = (lines(own, self.width), lines(here, self.width));
             for (sum, part) in self.sums[own].iter_mut().zip(&self.partial[here]) {
                 (S::load(sum) + S::load(part)).store(sum);
