@@ -208,6 +208,13 @@ need_viewers() {
     [ "$viewers/ready" -nt "$wanted" ] || install_python "$viewers" 'ovito.io, pyvista' "$wanted_readers" "$wanted"
 }
 
+# NVIDIA Warp, which Sinew is compared with, in a place of its own: $warp/bin/python3.
+warp=$target/warp
+need_warp() {
+    local wanted=$root/tools/lib/warp/requirements.txt
+    [ "$warp/ready" -nt "$wanted" ] || install_python "$warp" 'tomllib, numpy, warp' "$wanted"
+}
+
 # A Chromium without a window, and playwright-core, which drives it: $browser/node_modules. False where one of them is missing, or
 # a Node.js that is new enough.
 browser=$target/browser
