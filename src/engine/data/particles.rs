@@ -1,4 +1,6 @@
 //! Particles of one material in one block: columns of tiles in one allocation.
+mod moving;
+
 use super::extent::{self, Extent};
 use super::layout::{NodeLayout, ParticleLayout};
 use super::nodes::{NOWHERE, Place};
@@ -148,37 +150,6 @@ impl ParticleBlock {
         self.columns[line].0[particle % LANES] = value;
     }
 
-    /// Adds a particle whose numbers are `record`, label after label in the layout's order; `base` is its base node
-    /// before rounding down.
-    pub fn push(&mut self, layout: &ParticleLayout, rest: [f64; 3], base: [f64; 3], record: &[f64]) {
-        extent::include(&mut self.extent, base);
-        self.leaving = true;
-        if self.count == self.capacity * LANES {
-            self.grow(layout, rest);
-        }
-        let particle = self.count;
-        self.count += 1;
-        self.write(layout, particle, record);
-    }
-
-    /// Copies a particle's numbers to the end of `record`.
-    pub fn read(&self, layout: &ParticleLayout, particle: usize, record: &mut Vec<f64>) {
-        for label in layout.labels() {
-            for component in 0..layout.width(label) {
-                record.push(self.get(layout, label, particle, component));
-            }
-        }
-    }
-
-    fn write(&mut self, layout: &ParticleLayout, particle: usize, record: &[f64]) {
-        let mut numbers = record.iter();
-        for label in layout.labels() {
-            for (component, &value) in (0..layout.width(label)).zip(&mut numbers) {
-                self.put(layout, label, particle, component, value);
-            }
-        }
-    }
-
     /// Appends everything that makes the block, to be read by [`ParticleBlock::from_lines`].
     pub fn to_lines(&self, layout: &ParticleLayout, lines: &mut Vec<Wide>) {
         let [x, y, z] = self.index.map(|i| i as u32 as u64);
@@ -210,32 +181,6 @@ impl ParticleBlock {
         Some(block)
     }
 
-    /// Removes the particles at `leaving` (ascending); the others keep their order.
-    pub fn remove(&mut self, layout: &ParticleLayout, rest: [f64; 3], leaving: &[usize]) {
-        let Some(&first) = leaving.first() else { return };
-        let mut gone = leaving.iter().peekable();
-        let mut to = first;
-        let mut record = Vec::new();
-        for from in first..self.count {
-            if gone.next_if_eq(&&from).is_some() {
-                continue;
-            }
-            record.clear();
-            self.read(layout, from, &mut record);
-            self.write(layout, to, &record);
-            to += 1;
-        }
-        let end = self.tiles() * LANES;
-        self.count = to;
-        (to..end).for_each(|lane| self.make_inert(layout, rest, lane));
-    }
-
-    /// Makes room for at least one more tile; grows by an eighth so that arrivals rarely copy.
-    fn grow(&mut self, layout: &ParticleLayout, rest: [f64; 3]) {
-        let old = self.capacity;
-        self.reserve(layout, rest, old + old / 8 + 1);
-    }
-
     /// Makes room for `tiles` tiles.
     pub fn reserve(&mut self, layout: &ParticleLayout, rest: [f64; 3], tiles: usize) {
         let old = self.capacity;
@@ -246,15 +191,7 @@ impl ParticleBlock {
             let column = &before[start * old..(start + width) * old];
             self.columns[start * self.capacity..][..column.len()].copy_from_slice(column);
         }
-        (old * LANES..self.capacity * LANES).for_each(|lane| self.make_inert(layout, rest, lane));
-    }
-
-    fn make_inert(&mut self, layout: &ParticleLayout, rest: [f64; 3], particle: usize) {
-        for label in layout.labels() {
-            for component in 0..layout.width(label) {
-                self.put(layout, label, particle, component, layout.inert(label, component, rest));
-            }
-        }
+        self.make_inert(layout, rest, old * LANES..self.capacity * LANES);
     }
 }
 

@@ -226,9 +226,21 @@ impl Warehouse {
     /// # Errors
     /// A position outside the level.
     pub fn insert(&mut self, material: usize, x: [f64; 3], record: &[f64]) -> Result<(), OutsideLevel> {
+        let [patch, material, at] = self.make_room(material, x)?;
+        let data = &self.materials[material];
+        let block = &mut self.particles[patch][material].blocks[at];
+        let (rest, base) = (self.level.middle(block.index), self.level.base(x, data.half_size));
+        block.push(&data.layout, rest, base, record);
+        Ok(())
+    }
+
+    /// Patch, material and position there of the block for a particle at `x`, on this rank; a new one waits for
+    /// [`Warehouse::activate`].
+    ///
+    /// # Errors
+    /// A position outside the level.
+    pub fn make_room(&mut self, material: usize, x: [f64; 3]) -> Result<[usize; 3], OutsideLevel> {
         let (index, patch) = self.home(material, x)?;
-        let base = self.level.base(x, self.materials[material].half_size);
-        let rest = self.level.middle(index);
         let blocks = self.decomposition.patches[patch].blocks;
         let home = &mut self.particles[patch][material];
         let slot = &mut home.lookup[blocks.offset(index).ok_or(OutsideLevel)?];
@@ -237,8 +249,7 @@ impl Warehouse {
             *slot = home.blocks.len() as u32;
             self.reactivate = true;
         }
-        home.blocks[*slot as usize - 1].push(&self.materials[material].layout, rest, base, record);
-        Ok(())
+        Ok([patch, material, *slot as usize - 1])
     }
 
     /// Puts a block with its particles into its patch, on this rank: for a restart.

@@ -1,9 +1,12 @@
 //! Where stages run, and where the labels of blocks are meanwhile.
 use super::Executor;
+use super::moves::{Departure, Move};
 use super::ranks::halos::{Incoming, Outgoing};
 use super::work::{self, Blocks, Call, Which};
+use crate::data::warehouse::Warehouse;
 use crate::graph::exchange::Exchange;
 use crate::graph::phase::Phase;
+use simd::Isa;
 
 /// Runs stages on blocks. A stage says which labels it reads and writes, and of which blocks around; a backend may have them
 /// in memory of its own, and hands them to the host only where the host asks: see [`Backend::download`]. What a block is, and
@@ -28,6 +31,16 @@ pub trait Backend: Send + Sync {
 
     /// Puts partial sums of another rank's blocks in their place.
     fn unpack(&self, incoming: &mut [Incoming<'_>]);
+
+    /// Finds the particles that leave blocks: work of the host.
+    fn depart(&self, departures: &mut [Departure<'_>], warehouse: &Warehouse, isa: Isa) {
+        departures.iter_mut().for_each(|it| it.find(warehouse, isa));
+    }
+
+    /// Moves particles out of blocks and into them: work of the host.
+    fn carry(&self, moves: &mut [Move<'_>]) {
+        moves.iter_mut().for_each(Move::carry_out);
+    }
 
     /// The host is about to read labels of blocks, and perhaps to write them.
     fn download(&self, _purpose: Purpose<'_>, _data: &mut Blocks<'_>) {}
@@ -71,5 +84,13 @@ impl<E: Executor> Backend for E {
 
     fn unpack(&self, incoming: &mut [Incoming<'_>]) {
         self.each(incoming, |_, it| it.unpack());
+    }
+
+    fn depart(&self, departures: &mut [Departure<'_>], warehouse: &Warehouse, isa: Isa) {
+        self.each(departures, |_, it| it.find(warehouse, isa));
+    }
+
+    fn carry(&self, moves: &mut [Move<'_>]) {
+        self.each(moves, |_, it| it.carry_out());
     }
 }

@@ -192,7 +192,7 @@ impl Engine {
         let relocation = self.relocate(graph, warehouse, network, &mut puts_back, stop)?;
         conductor.ran(graph, warehouse, &relocation)?;
         let began = self.trace.now();
-        self.metered(What::Relocation, || relocation.carry_out(warehouse));
+        self.metered(What::Relocation, || relocation.carry_out(warehouse, &*self.backend));
         self.backend.upload(Purpose::Relocation, &mut Blocks::of(warehouse));
         self.trace.record(0, began, Event::other(Kind::Arrange));
         Ok(())

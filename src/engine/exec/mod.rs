@@ -6,6 +6,7 @@ mod exchange;
 pub mod halo;
 mod lending;
 pub mod meter;
+pub mod moves;
 pub mod order;
 mod packed;
 pub mod ranks;

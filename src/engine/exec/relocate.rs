@@ -1,4 +1,6 @@
 //! Moves particles that drifted out of reach of their block to the block, the patch and the rank where they are now.
+use super::backend::Backend;
+use super::moves::{Departure, Move};
 use super::order::{END, Op};
 use super::ranks::occupied::Neighbor;
 use super::ranks::reduction::{self, Counters};
@@ -6,12 +8,11 @@ use super::ranks::{Channel, Network, NetworkError, collective, pack, unpack};
 use super::recorder::Recorder;
 use super::trace::{Event, Kind};
 use super::traveler::Traveler;
-use crate::data::extent::{out_of_reach, outside};
-use crate::data::particles::ParticleBlock;
 use crate::data::shared::Shared;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::graph::build::TaskGraph;
-use simd::Wide;
+use simd::{Isa, Wide};
+use std::collections::BTreeMap;
 
 /// What becomes of particles outside of the level: whether one is put back into it (at its position then), and what that
 /// contributes to shared labels.
@@ -74,11 +75,12 @@ impl Relocation {
     /// If a rank is gone, or a particle was lost on the way.
     pub fn prepare(
         warehouse: &mut Warehouse,
+        (backend, isa): (&dyn Backend, Isa),
         way: &mut Transit<'_>,
         moved: impl Fn(usize) -> bool,
     ) -> Result<Self, NetworkError> {
         let began = way.trace.now();
-        let (mut relocation, mut travelers, gone) = Self::depart(warehouse, &moved);
+        let (mut relocation, mut travelers, gone) = Self::depart(warehouse, (backend, isa), &moved);
         for mut traveler in gone {
             let Warehouse { materials, shared, .. } = &mut *warehouse;
             let back = (way.leaving)(&mut traveler, materials, shared)
@@ -123,32 +125,32 @@ impl Relocation {
     }
 
     /// Those that leave their blocks here for others, and for nowhere.
-    fn depart(warehouse: &Warehouse, moved: &impl Fn(usize) -> bool) -> (Self, Vec<Traveler>, Vec<Traveler>) {
-        let (mut relocation, mut travelers, mut lost) = (Self::default(), Vec::new(), Vec::new());
+    fn depart(
+        warehouse: &Warehouse,
+        (backend, isa): (&dyn Backend, Isa),
+        moved: &impl Fn(usize) -> bool,
+    ) -> (Self, Vec<Traveler>, Vec<Traveler>) {
+        let (mut relocation, mut left) = (Self::default(), Vec::new());
         // where materials wait, nodes catch up in other sums than those that go along: which do must not depend on when blocks
         // were activated
         let keeps = warehouse.own_rates || warehouse.node_layout.carried().next().is_some();
         for patch in warehouse.partition.mine() {
             let homes = warehouse.particles[patch].iter().enumerate();
             for (material, home) in homes.filter(|(material, _)| moved(*material)) {
-                let data = &warehouse.materials[material];
                 relocation.particles += home.blocks.iter().map(|block| block.count as u64).sum::<u64>();
-                for (at, block) in home.blocks.iter().enumerate() {
-                    if block.leaving && block.count > 0 {
-                        let positions =
-                            depart(warehouse, data, (patch, material), block, &mut |traveler, gone| {
-                                let homeless = || warehouse.home(material, traveler.position).is_err();
-                                match gone || homeless() {
-                                    true => lost.push(traveler),
-                                    false => travelers.push(traveler),
-                                }
-                            });
-                        relocation.news |= keeps && positions.len() == block.count;
-                        if !positions.is_empty() {
-                            relocation.leaving.push(([patch, material, at], positions));
-                        }
-                    }
-                }
+                let blocks = home.blocks.iter().enumerate();
+                let blocks = blocks.filter(|(_, block)| block.leaving && block.count > 0);
+                left.extend(blocks.map(|(at, block)| Departure::new([patch, material, at], block)));
+            }
+        }
+        backend.depart(&mut left, warehouse, isa);
+        let (mut travelers, mut lost) = (Vec::new(), Vec::new());
+        for Departure { place, block, positions, travelers: own, lost: gone } in left {
+            relocation.news |= keeps && positions.len() == block.count;
+            travelers.extend(own);
+            lost.extend(gone);
+            if !positions.is_empty() {
+                relocation.leaving.push((place, positions));
             }
         }
         (relocation, travelers, lost)
@@ -265,43 +267,31 @@ impl Relocation {
     }
 
     /// Takes particles out of the blocks that they leave, and puts those that arrive in theirs.
-    pub fn carry_out(self, warehouse: &mut Warehouse) {
-        for ([patch, material, at], positions) in self.leaving {
-            let block = &mut warehouse.particles[patch][material].blocks[at];
-            let rest = warehouse.level.middle(block.index);
-            block.remove(&warehouse.materials[material].layout, rest, &positions);
+    pub fn carry_out(self, warehouse: &mut Warehouse, backend: &dyn Backend) {
+        let places = self.arriving.iter().map(|t| warehouse.make_room(t.material, t.position));
+        // who is not in the level has left it
+        let arriving =
+            places.collect::<Vec<_>>().into_iter().zip(&self.arriving).filter_map(|(place, traveler)| {
+                debug_assert!(place.is_ok());
+                Some((place.ok()?, traveler))
+            });
+        let mut changes: BTreeMap<[usize; 3], (&[usize], Vec<&Traveler>)> = BTreeMap::new();
+        self.leaving.iter().for_each(|(place, positions)| changes.entry(*place).or_default().0 = positions);
+        arriving.for_each(|(place, traveler)| changes.entry(place).or_default().1.push(traveler));
+        let Warehouse { level, materials, particles, .. } = &mut *warehouse;
+        let blocks = particles.iter_mut().enumerate().flat_map(|(patch, homes)| {
+            homes.iter_mut().enumerate().flat_map(move |(material, home)| {
+                home.blocks.iter_mut().enumerate().map(move |(at, block)| ([patch, material, at], block))
+            })
+        });
+        let (mut changes, mut moves) = (changes.into_iter().peekable(), Vec::new());
+        for (place, block) in blocks {
+            let Some((_, (leaving, arriving))) = changes.next_if(|(wanted, _)| *wanted == place) else {
+                continue;
+            };
+            moves.push(Move { level, data: &materials[place[1]], block, leaving, arriving });
         }
-        for Traveler { material, position, record, .. } in self.arriving {
-            let inserted = warehouse.insert(material, position, &record);
-            debug_assert!(inserted.is_ok(), "who is not in the level has left it");
-        }
+        backend.carry(&mut moves);
         warehouse.reactivate |= self.news;
     }
-}
-
-/// Hands out who leaves a block, and whether they leave the level too; returns their positions in the block.
-fn depart(
-    warehouse: &Warehouse,
-    data: &MaterialData,
-    (patch, material): (usize, usize),
-    block: &ParticleBlock,
-    each: &mut impl FnMut(Traveler, bool),
-) -> Vec<usize> {
-    let (level, layout, roles) = (&warehouse.level, &data.layout, &warehouse.schema.roles);
-    let mut leaving = Vec::new();
-    for particle in 0..block.count {
-        let get = |label, component| block.get(layout, label, particle, component);
-        let position: [f64; 3] = std::array::from_fn(|a| get(roles.position, a));
-        let y = level.base(position, data.half_size);
-        let gone = (0..3).any(|a| outside(level, a, y[a], data.half_size[a])) || !level.contains(position);
-        if !gone && !(0..3).any(|a| out_of_reach(level, block.index, a, y[a])) {
-            continue;
-        }
-        leaving.push(particle);
-        let identity = get(roles.identity, 0).to_bits();
-        let mut record = Vec::with_capacity(layout.total);
-        block.read(layout, particle, &mut record);
-        each(Traveler { from: (block.index, particle), material, patch, identity, position, record }, gone);
-    }
-    leaving
 }

@@ -263,7 +263,7 @@ impl Engine {
         let moved = |material: usize| self.schedule.ends(material);
         let mut way =
             Transit { network, neighbors: &self.neighbors, graph, leaving, stop, trace: &self.trace };
-        let prepare = || Relocation::prepare(warehouse, &mut way, moved);
+        let prepare = || Relocation::prepare(warehouse, (&*self.backend, self.isa), &mut way, moved);
         self.metered(What::Relocation, prepare)
     }
 
