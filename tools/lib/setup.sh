@@ -249,3 +249,37 @@ install_python() {
         "$venv/bin/python3" -c "import $modules" >&2 &&
         touch "$venv/ready"
 }
+
+# What tests under emulation of AArch64 need: a linker, QEMU, the standard library, and HDF5 of that architecture in a folder. False if
+# they cannot be had.
+aarch64=$target/aarch64-system
+
+need_aarch64() {
+    command -v rustup >/dev/null && command -v apt-get >/dev/null && [ "$(uname -m)" = x86_64 ] || return 1
+    rustup target add aarch64-unknown-linux-gnu >/dev/null 2>&1 || return 1
+    if ! { command -v aarch64-linux-gnu-gcc && command -v qemu-aarch64; } >/dev/null; then
+        (install gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) || return 1
+    fi
+    [ -e "$aarch64/ready" ] || fetch_aarch64 || return 1
+}
+
+# Fetches HDF5 and all that it needs as packages, and unpacks them. The system's own lists and packages stay as they are.
+fetch_aarch64() {
+    rm -rf "$aarch64"
+    mkdir -p "$aarch64"/state/lists/partial "$aarch64"/cache/archives/partial "$aarch64"/system "$aarch64"/hdf5/lib
+    : >"$aarch64/status"
+    local apt=(apt-get -qq -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o "Dir::State=$aarch64/state"
+        -o "Dir::State::status=$aarch64/status" -o "Dir::Cache=$aarch64/cache" -o Debug::NoLocking=true)
+    [ "$(id -u)" != 0 ] || apt+=(-o APT::Sandbox::User=root)
+    "${apt[@]}" update >/dev/null || return 1
+    "${apt[@]}" --yes --no-install-recommends --download-only install libhdf5-dev >/dev/null || return 1
+    local package name
+    for package in "$aarch64"/cache/archives/*.deb; do dpkg -x "$package" "$aarch64/system" || return 1; done
+    ln -s "$aarch64/system/usr/include/hdf5/serial" "$aarch64/hdf5/include"
+    for name in hdf5 hdf5_hl; do
+        ln -s "$(readlink -f "$aarch64/system/usr/lib/aarch64-linux-gnu/lib${name/hdf5/hdf5_serial}.so")" "$aarch64/hdf5/lib/lib$name.so"
+    done
+    # the build asks a library that it can load for its version: that of this machine, under a name that no linker takes
+    ln -s "$(ldconfig -p | sed -n 's/.*libhdf5_serial\.so\.[0-9]* .*=> //p' | head -n 1)" "$aarch64/hdf5/lib/libhdf5.dylib"
+    touch "$aarch64/ready"
+}
