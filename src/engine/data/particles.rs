@@ -28,8 +28,6 @@ pub struct ParticleBlock {
     /// What the particles add to nodes: a buffer a label (see [`NodeLayout::partial`]), for the fields of the material one
     /// after the other, from the first node of the buffer on; empty where there is nothing.
     pub partials: SmallVec<[Vec<Wide>; FEW]>,
-    /// Whether these have the lines of `touched` alone.
-    pub packed: bool,
     /// Bounds of the particles' base nodes.
     pub extent: Extent,
     /// The nodes of the buffers that hold something, since particles were added to nodes last.
@@ -60,7 +58,6 @@ impl ParticleBlock {
             capacity: 0,
             columns: Vec::new(),
             partials: nodes.partial().iter().map(|_| Vec::new()).collect(),
-            packed: false,
             extent: extent::NOBODY,
             touched: IndexBox { lower: [0; 3], upper: [0; 3] },
             leaving: true,

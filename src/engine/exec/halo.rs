@@ -49,19 +49,6 @@ pub struct Pencils {
     buffer_strides: [i32; 3],
 }
 
-impl Pencils {
-    /// The same in a buffer that has the lines of `touched` alone, if it is `packed`.
-    #[inline(always)]
-    pub fn packed(mut self, packed: bool, touched: &IndexBox) -> Self {
-        if packed {
-            let [_, ny, nz] = touched.size().map(|n| n as i32);
-            self.buffer_strides = [ny * nz, nz, 1];
-            (0..3).for_each(|a| self.shift[a] -= touched.lower[a]);
-        }
-        self
-    }
-}
-
 impl Iterator for Pencils {
     type Item = (Range<usize>, Range<usize>);
 

@@ -8,7 +8,6 @@ mod lending;
 pub mod meter;
 pub mod moves;
 pub mod order;
-mod packed;
 pub mod ranks;
 pub mod recorder;
 pub mod region;

@@ -2,7 +2,6 @@
 use super::buffers::Buffers;
 use super::halo::Clear;
 use super::meter::{Laps, StagePart, What};
-use super::packed;
 use super::region::{LoadRegion, ValuesAround};
 use super::scratch::{AHEAD, CHUNK, Scratch};
 use super::sums::{Around, SumPartials};
@@ -122,9 +121,6 @@ pub fn sweep<const METERED: bool>(
     }
     stage.after.iter().for_each(|&entry| run(entry, &at, &mut space));
     scratch.columns = recycle(space.columns);
-    if !stage.adds.is_empty() {
-        packed::pack(context, data.fields, block);
-    }
     if widens {
         // here the extent is in cache
         block.leaving = block.count > 0
@@ -145,7 +141,6 @@ fn in_level(shape: &BlockShape, block: BlockIndex, part: IndexBox) -> IndexBox {
 fn ready_buffers(context: &Context<'_>, stage: &Stage, fields: usize, block: &mut ParticleBlock) {
     let Context { node_layout: layout, buffers, shape, .. } = context;
     if !stage.adds.is_empty() {
-        packed::unpack(context, fields, block);
         block.touched = extent::touched(&block.extent, context.level, block.index);
     }
     for (&label, partial) in layout.partial().iter().zip(&mut block.partials) {

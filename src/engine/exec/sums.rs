@@ -38,11 +38,9 @@ impl<'a> Around<'a> {
     #[inline(always)]
     fn partial(&self, q: usize) -> Option<(&'a [Wide], Pencils)> {
         let block = self.block(q)?;
-        let nodes = if block.packed { block.touched.len() } else { self.shape.buffer_len() };
-        let length = nodes * self.width;
+        let length = self.shape.buffer_len() * self.width;
         let partial = block.partials[self.place].get(self.field * length..(self.field + 1) * length)?;
-        let pencils = pencils(self.shape, offset(q), &block.touched);
-        Some((partial, pencils.packed(block.packed, &block.touched)))
+        Some((partial, pencils(self.shape, offset(q), &block.touched)))
     }
 
     /// Asks for the lines that the `q`-th block around adds.

@@ -160,16 +160,14 @@ impl Trial<'_> {
             let partials = block.partials.iter().zip(node_layout.partial()).enumerate();
             for (place, (partial, label)) in partials.filter(|(_, (partial, _))| !partial.is_empty()) {
                 let (width, length) = (label.width(), node_layout.nodes * label.width());
-                let nodes = if block.packed { block.touched.len() } else { node_layout.buffer };
-                let buffer = nodes * width;
+                let buffer = node_layout.buffer * width;
                 let partial = &partial[number * buffer..(number + 1) * buffer];
                 for (q, &(patch, at)) in block.around.iter().enumerate().filter(|(_, n)| **n != NOWHERE) {
                     let nodes = &self.nodes[patch as usize].blocks[at as usize];
                     let Some(slot) = nodes.slot(field) else { continue };
                     let sums = &mut self.sums[patch as usize][at as usize][place];
                     let sums = &mut sums[slot * length..(slot + 1) * length];
-                    let pencils =
-                        pencils(shape, back(q), &block.touched).packed(block.packed, &block.touched);
+                    let pencils = pencils(shape, back(q), &block.touched);
                     isa.dispatch(Add { pencils, partial, width, sums });
                 }
             }

@@ -75,22 +75,20 @@ impl Adder {
     }
 
     /// Runs `each(place of the label, lines of its buffers, width)` on all pencils that the block adds to, of the labels
-    /// that `header` has, in buffers that are `packed` or not.
+    /// that `header` has.
     pub fn pencils(
         &self,
         exchange: &Exchange,
         context: &Context<'_>,
-        (header, packed): (&Header, bool),
+        header: &Header,
         mut each: impl FnMut(usize, Range<usize>),
     ) {
         for (_, &label) in exchange.labels.iter().enumerate().filter(|(at, _)| header.has(*at)) {
             let Some(place) = context.node_layout.partial_place(label) else { continue };
-            let nodes = if packed { header.touched.len() } else { context.node_layout.buffer };
-            let length = nodes * label.width();
+            let length = context.node_layout.buffer * label.width();
             for field in 0..context.fields.of(self.material).len() {
                 for q in self.towards() {
-                    let pencils = pencils(&context.shape, back(q), &header.touched);
-                    for (_, there) in pencils.packed(packed, &header.touched) {
+                    for (_, there) in pencils(&context.shape, back(q), &header.touched) {
                         let there = lines(there, label.width());
                         each(place, field * length + there.start..field * length + there.end);
                     }
@@ -111,7 +109,7 @@ impl Adder {
         let header = Header::of(block, self.material, exchange, context);
         message[0] = header.write();
         let mut at = 1;
-        self.pencils(exchange, context, (&header, block.packed), |place, lines| {
+        self.pencils(exchange, context, &header, |place, lines| {
             let count = lines.len();
             message[at..at + count].copy_from_slice(&block.partials[place][lines]);
             at += count;
@@ -127,7 +125,7 @@ impl Adder {
         header: &Header,
         message: &[Wide],
     ) {
-        (block.touched, block.packed) = (header.touched, false);
+        block.touched = header.touched;
         let fields = context.fields.of(self.material).len();
         for (at, &label) in exchange.labels.iter().enumerate() {
             let Some(place) = context.node_layout.partial_place(label) else { continue };
@@ -141,7 +139,7 @@ impl Adder {
             }
         }
         let mut at = 0;
-        self.pencils(exchange, context, (header, false), |place, lines| {
+        self.pencils(exchange, context, header, |place, lines| {
             let count = lines.len();
             block.partials[place][lines].copy_from_slice(&message[at..at + count]);
             at += count;
