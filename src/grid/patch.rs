@@ -1,5 +1,6 @@
 use super::{BlockIndex, IndexBox, Level};
 use std::cmp::Reverse;
+use std::collections::BTreeMap;
 
 /// A box of whole blocks: the unit of ownership.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,8 +26,6 @@ pub struct Decomposition {
 
 /// The most patches: each takes some hundred bytes on every rank, and patches are numbered by 32 bits.
 pub const MOST_PATCHES: usize = 1 << 24;
-/// The most blocks of a patch: their places in it are numbered by 32 bits, with one number for "nowhere".
-pub const MOST_BLOCKS: usize = u32::MAX as usize - 1;
 
 impl Decomposition {
     /// Cuts `level` into `counts` patches along each axis, as evenly as whole blocks allow.
@@ -53,19 +52,15 @@ impl Decomposition {
                 "{x}x{y}x{z} patches are too many: choose at most {MOST_PATCHES} of them, with --patches or run.patches"
             ));
         }
-        let all = level.blocks();
-        let cuts: [Vec<i32>; 3] = std::array::from_fn(|a| {
-            let mut cuts: Vec<i32> = (0..=counts[a]).map(|i| (i * columns[a] / counts[a]) as i32).collect();
+        let cut = |a: usize| (0..=counts[a]).map(|i| (i * columns[a] / counts[a]) as i32).collect();
+        Ok(Self::with(level, std::array::from_fn(cut)))
+    }
+
+    /// The patches between some cuts along each axis; the first and the last one reach to the ends of the level.
+    fn with(level: &Level, mut cuts: [Vec<i32>; 3]) -> Self {
+        let (all, counts) = (level.blocks(), cuts.each_ref().map(|cuts| cuts.len() - 1));
+        for (a, cuts) in cuts.iter_mut().enumerate() {
             (cuts[0], cuts[counts[a]]) = (all.lower[a], all.upper[a]);
-            cuts
-        });
-        let longest = |cuts: &Vec<i32>| cuts.windows(2).map(|ends| ends[1] - ends[0]).max().unwrap_or(0);
-        let largest = cuts.iter().map(|cuts| f64::from(longest(cuts))).product::<f64>();
-        if largest > MOST_BLOCKS as f64 {
-            return Err(format!(
-                "a patch has {largest:.3e} blocks of 4x4x4 cells, but at most {MOST_BLOCKS} are possible: choose more patches \
-                 with --patches or run.patches, or larger cells"
-            ));
         }
         let [nx, ny, nz] = counts;
         let indices = (0..nx * ny * nz).map(|id| [id / (ny * nz), id / nz % ny, id % nz]);
@@ -74,7 +69,7 @@ impl Decomposition {
             Patch { id, index, blocks: IndexBox { lower: corner(0), upper: corner(1) } }
         });
         let patches = patches.collect();
-        Ok(Self { counts, patches, cuts })
+        Self { counts, patches, cuts }
     }
 
     /// The patch that owns `block`, if the block exists.
@@ -106,23 +101,39 @@ impl Decomposition {
             .map(move |[x, y, z]| (x as usize * ny + y as usize) * nz + z as usize)
     }
 
-    /// About as many patches as asked for, at least so many if the level has the blocks, cut where that spreads the load
-    /// best: `loads` are the occupied blocks with what each costs.
-    pub fn automatic(level: &Level, wanted: usize, loads: &[(BlockIndex, u64)]) -> [usize; 3] {
-        let columns = level.block_columns();
+    /// About `wanted` patches, cut where that spreads the load best, wherever in the level it lies: `loads` are the occupied blocks
+    /// with what each costs. There are fewer where layers of blocks would be left without any, but at least `least`, if the level has
+    /// so many blocks.
+    pub fn automatic(level: &Level, wanted: usize, least: usize, loads: &[(BlockIndex, u64)]) -> Self {
+        let (columns, marginals) = (level.block_columns(), Marginal::all(level, loads));
+        let cuts = |counts: [usize; 3]| [0, 1, 2].map(|a| marginals[a].cuts(counts[a], columns[a]));
+        let places =
+            |(block, load): &(BlockIndex, u64)| ([0, 1, 2].map(|a| marginals[a].place(block[a])), *load);
+        let places: Vec<([usize; 3], u64)> = loads.iter().map(places).collect();
+        let heaviest = |counts: [usize; 3]| {
+            let (cuts, mut sums) = (cuts(counts), vec![0; counts.iter().product()]);
+            let pieces = [0, 1, 2].map(|a| marginals[a].pieces(&cuts[a]));
+            for (place, load) in &places {
+                sums[(0..3).fold(0, |id, a| id * counts[a] + pieces[a][place[a]])] += load;
+            }
+            sums.into_iter().max()
+        };
         let mut counts = [1; 3];
-        while counts.iter().product::<usize>() < wanted {
-            let halved = |axis: usize| {
-                let mut counts = counts;
+        for (wanted, occupied) in [(wanted.max(least), true), (least, false)] {
+            let most = |a: usize| if occupied { marginals[a].layers.len() } else { columns[a] };
+            while counts.iter().product::<usize>() < wanted.min(MOST_PATCHES / 2) {
+                let halved = |axis: usize| {
+                    let mut counts = counts;
+                    counts[axis] *= 2;
+                    // of two that are as good, the one that cuts the longer side
+                    (heaviest(counts), Reverse(most(axis) / counts[axis]), axis)
+                };
+                let possible = (0..3).filter(|&axis| 2 * counts[axis] <= most(axis));
+                let Some((.., axis)) = possible.map(halved).min() else { break };
                 counts[axis] *= 2;
-                let heaviest = Self::new(level, counts).map(|it| it.loads(loads).into_iter().max());
-                // of two that are as good, the one that cuts the longer side
-                heaviest.map(|most| (most, Reverse(columns[axis] / counts[axis]), axis)).ok()
-            };
-            let Some((.., axis)) = (0..3).filter_map(halved).min() else { break };
-            counts[axis] *= 2;
+            }
         }
-        counts
+        Self::with(level, cuts(counts))
     }
 
     /// What the blocks of each patch cost together.
@@ -132,6 +143,62 @@ impl Decomposition {
             self.owner(block).into_iter().for_each(|patch| loads[patch] += load);
         }
         loads
+    }
+}
+
+/// The layers of blocks along an axis that hold something.
+struct Marginal {
+    /// They, ascending, with what each costs.
+    layers: Vec<(i32, u64)>,
+    /// The last layer of the level.
+    last: i32,
+}
+
+impl Marginal {
+    /// Those of some blocks along each axis; what lies beyond a face belongs to the last layer before it.
+    fn all(level: &Level, loads: &[(BlockIndex, u64)]) -> [Self; 3] {
+        let columns = level.block_columns();
+        std::array::from_fn(|a| {
+            let (last, mut layers) = (columns[a] as i32 - 1, BTreeMap::new());
+            for (block, load) in loads {
+                *layers.entry(block[a].clamp(0, last)).or_default() += load;
+            }
+            Self { layers: layers.into_iter().collect(), last }
+        })
+    }
+
+    /// Which of them a layer of blocks is, if it holds something.
+    fn place(&self, layer: i32) -> usize {
+        self.layers.partition_point(|(other, _)| *other < layer.clamp(0, self.last))
+    }
+
+    /// The piece to which each of them belongs.
+    fn pieces(&self, cuts: &[i32]) -> Vec<usize> {
+        self.layers.iter().map(|(layer, _)| cuts.partition_point(|cut| cut <= layer) - 1).collect()
+    }
+
+    /// Cuts into so many pieces that cost about the same, none of them empty: in the middle between the layers that they part. Cuts
+    /// all layers evenly if there are not so many that hold something.
+    fn cuts(&self, pieces: usize, columns: usize) -> Vec<i32> {
+        let layers = &self.layers;
+        if pieces > layers.len() {
+            return (0..=pieces).map(|i| (i * columns / pieces) as i32).collect();
+        }
+        let total: u64 = layers.iter().map(|(_, load)| load).sum();
+        let (mut cuts, mut at, mut before) = (vec![0], 0, 0);
+        for piece in 1..pieces {
+            let wanted = (u128::from(total) * piece as u128 / pieces as u128) as u64;
+            let most = layers.len() - (pieces - piece);
+            let first = at;
+            // one layer at least, and then while that comes nearer to what is wanted
+            while at == first || at < most && before + layers[at].1 / 2 <= wanted {
+                before += layers[at].1;
+                at += 1;
+            }
+            cuts.push((layers[at - 1].0 + layers[at].0 + 1).div_euclid(2));
+        }
+        cuts.push(columns as i32);
+        cuts
     }
 }
 
@@ -158,10 +225,6 @@ mod tests {
     fn more_than_can_be_numbered_is_refused() {
         let level = Level { lower: [0.0; 3], cell: 1.0, cells: [1 << 20; 3] };
         let refused = |counts| Decomposition::new(&level, counts).expect_err("too many");
-        let error = refused([1; 3]);
-        for fact in ["1.801e16 blocks", "4294967294", "--patches"] {
-            assert!(error.contains(fact), "{error}");
-        }
         let error = refused([1 << 18, 1 << 18, 1 << 18]);
         assert!(error.contains("262144x262144x262144 patches") && error.contains("16777216"), "{error}");
         // so many, but not more
@@ -169,7 +232,47 @@ mod tests {
         assert!(
             Decomposition::new(&thin, [1 << 12, 1 << 13, 1]).expect_err("2^25 of them").contains("16777216")
         );
-        let fits = Decomposition::new(&thin, [64, 64, 1]).expect("they can be numbered");
-        assert!(fits.patches.iter().all(|patch| patch.blocks.len() <= MOST_BLOCKS));
+        assert_eq!(Decomposition::new(&level, [1; 3]).expect("one").patches.len(), 1);
+    }
+
+    /// The blocks of a box, each of which costs the same.
+    fn filled(lower: BlockIndex, size: [i32; 3]) -> Vec<(BlockIndex, u64)> {
+        let upper = std::array::from_fn(|a| lower[a] + size[a]);
+        IndexBox { lower, upper }.iter().map(|index| (index, 512)).collect()
+    }
+
+    #[test]
+    fn automatic_patches_are_cut_where_the_load_is() {
+        let level = Level { lower: [0.0; 3], cell: 1.0, cells: [4096; 3] };
+        // one small body, wherever it lies
+        for lower in [[0; 3], [511; 3], [700, 3, 1016]] {
+            let loads = filled(lower, [8, 4, 4]);
+            let patches = Decomposition::automatic(&level, 16, 1, &loads);
+            assert!(patches.loads(&loads).iter().all(|load| *load == 8 * 512), "{:?}", patches.cuts);
+            assert_eq!(patches.patches.len(), 16);
+            let reach = level.blocks();
+            assert_eq!(patches.patches[0].blocks.lower, reach.lower);
+            assert_eq!(patches.patches[15].blocks.upper, reach.upper);
+        }
+        // two that are far apart have room around them
+        let loads = [filled([10; 3], [4, 4, 4]), filled([900, 10, 10], [4, 4, 4])].concat();
+        let patches = Decomposition::automatic(&level, 2, 1, &loads);
+        assert_eq!((patches.counts, patches.cuts[0][1]), ([2, 1, 1], 457));
+        // a body of few blocks has few patches, unless there are more ranks
+        let loads = filled([100; 3], [2, 2, 1]);
+        assert_eq!(Decomposition::automatic(&level, 64, 3, &loads).counts, [2, 2, 1]);
+        let forced = Decomposition::automatic(&level, 64, 7, &loads);
+        assert!(forced.patches.len() >= 7);
+        assert_eq!(forced.loads(&loads).iter().sum::<u64>(), 4 * 512);
+    }
+
+    #[test]
+    fn automatic_patches_of_a_full_level_are_even() {
+        let level = Level { lower: [0.0; 3], cell: 1.0, cells: [64, 32, 16] };
+        let loads = filled([0; 3], [16, 8, 4]);
+        let automatic = Decomposition::automatic(&level, 64, 1, &loads);
+        assert_eq!(automatic, Decomposition::new(&level, [8, 4, 2]).expect("they fit"));
+        assert_eq!(Decomposition::automatic(&level, 7, 1, &[]).counts, [1; 3]);
+        assert_eq!(Decomposition::automatic(&level, 1 << 40, 1, &loads).counts, [16, 8, 4]);
     }
 }

@@ -267,7 +267,8 @@ static RUN: &[Field] = &[
     Field::optional(
         "patches",
         PATCHES,
-        "Patches: about so many in all, cut where the particles are, or so many along each axis; absent: eight for each thread.",
+        "Patches: about so many in all, cut where the particles are, or so many along each axis; absent: eight for each thread, \
+        unless bodies have few blocks of 4x4x4 cells.",
     ),
     Field::optional(
         "threads",

@@ -57,8 +57,20 @@ impl Written {
     /// # Errors
     /// As [`read`].
     pub fn scene(&self, overrides: &[(String, String)]) -> Result<Scene, SceneError> {
+        self.scene_in(overrides, validate::available_memory())
+    }
+
+    /// The same, with so much memory for its particles [B], if it is limited: that of all machines of a run.
+    ///
+    /// # Errors
+    /// As [`read`].
+    pub fn scene_in(
+        &self,
+        overrides: &[(String, String)],
+        memory: Option<usize>,
+    ) -> Result<Scene, SceneError> {
         let from = From { file: &self.file.display().to_string(), folder: self.file.parent() };
-        let mut scene = read_from(from, &self.text, overrides, validate::available_memory())?;
+        let mut scene = read_from(from, &self.text, overrides, memory)?;
         scene.name = name(&self.file);
         Ok(scene)
     }

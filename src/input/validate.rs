@@ -2,45 +2,20 @@
 use super::document::Node;
 use super::error::{Fault, Outcome, Point, all, both};
 use super::rigid;
-use grid::Level;
-use scene::geometry::overlap;
-use scene::sampling::{cells, exposed_area, inside, points, sample};
+use scene::geometry::{Bounds, Solid, overlap};
+use scene::sampling::{self as lattice, Filling, cells, exposed_area, inside};
 use scene::shown::ProbeOf;
-use scene::{Body, Domain, ForceKind, Region, Scene};
+use scene::{Body, Domain, Force, ForceKind, Region, Scene};
 use std::collections::HashSet;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 /// Bytes that a particle takes in a run, with its share of the nodes: an estimate for the check of memory.
 pub const BYTES_PER_PARTICLE: usize = 700;
 
-/// Bytes that a block of 4x4x4 cells takes in lists of blocks, whether there are particles or not, and in those of each
-/// material: an estimate for the check of memory.
-const BYTES_PER_BLOCK: [f64; 2] = [16.0, 12.0];
-
 /// Checks what holds for the scene as a whole. `root` is the document, for places; `available`: bytes of memory, if known.
 pub(super) fn scene(scene: &Scene, root: &Node, available: Option<usize>) -> Outcome<()> {
-    let fits = blocks(scene, root, available.map_or(f64::INFINITY, |bytes| bytes as f64));
-    // who lies where is asked of bodies that are right
-    both(fits, bodies(scene, root, available))?;
+    bodies(scene, root, available)?;
     regions(scene, root)
-}
-
-/// The domain is not so much larger than what is in it that lists of its blocks fill the memory.
-fn blocks(scene: &Scene, root: &Node, available: f64) -> Outcome<()> {
-    let [all, each] = BYTES_PER_BLOCK;
-    let Domain { lower, cells, cell } = scene.domain;
-    let blocks = Level { lower, cell, cells }.blocks().len() as f64;
-    let bytes = blocks * (all + each * scene.materials.len() as f64);
-    if bytes <= available {
-        return Ok(());
-    }
-    let message = format!(
-        "the domain does not fit into memory: lists of its {blocks:.1e} blocks of 4x4x4 cells take {:.1} GB, there are {:.1} GB",
-        bytes / 1e9,
-        available / 1e9
-    );
-    let help = "use larger cells, or a domain that reaches not so far beyond the bodies";
-    Err(Fault::new(root.get("domain").get("cell").place, message).help(help))
 }
 
 /// Checks bodies one by one and against each other.
@@ -93,7 +68,12 @@ fn regions(scene: &Scene, root: &Node) -> Outcome<()> {
     let probes = probes.zip(root.get("probe").items());
     for ((material, region), node) in drives.chain(forces).chain(probes) {
         let mut bodies = scene.bodies.iter().enumerate().filter(|(_, body)| body.material == material);
-        if !bodies.any(|(index, body)| sample(scene, body).any(|x| region.contains(index, x))) {
+        let holds = |(index, body): (usize, &Body)| match region {
+            Region::All => true,
+            Region::Body(of) => *of == index,
+            Region::Solid(solid) => Filling::within(scene, body, solid).any().is_some(),
+        };
+        if !bodies.any(holds) {
             let place = node.find("region").or_else(|| node.find("body")).unwrap_or(node).place;
             let message = format!("no particle of {:?} lies in this region", scene.materials[material].name);
             return Err(
@@ -104,17 +84,36 @@ fn regions(scene: &Scene, root: &Node) -> Outcome<()> {
     let pressed = scene.forces.iter().zip(root.get("force").items());
     pressed.filter(|(force, _)| !matches!(force.kind, ForceKind::Total(_))).try_for_each(|(force, node)| {
         let bodies = scene.bodies.iter().enumerate().filter(|(_, body)| body.material == force.material);
-        let mut all = bodies.flat_map(|(index, body)| sample(scene, body).map(move |x| (index, x)));
-        let bears = |index, x| {
-            force.region.contains(index, x) && exposed_area(scene, index, x, force.sides) != [0.0; 3]
-        };
-        if all.any(|(index, x)| bears(index, x)) {
+        if bodies.into_iter().any(|(index, body)| is_pressed(scene, force, index, body)) {
             return Ok(());
         }
         let message = "no particle in this region lies on the surface of its material, or not on this side";
         let place = node.find("side").or_else(|| node.find("region")).unwrap_or(node).place;
         Err(Fault::new(place, message).help("move or enlarge the region, or name another `side`"))
     })
+}
+
+/// Whether a force acts on a part of the surface of a body's particles.
+fn is_pressed(scene: &Scene, force: &Force, index: usize, body: &Body) -> bool {
+    let filling = match &force.region {
+        Region::Body(of) if *of != index => return false,
+        Region::Solid(solid) => Filling::within(scene, body, solid),
+        _ => Filling::of(scene, body),
+    };
+    let size = body.particles_per_cell.map(|n| scene.domain.cell / n as f64);
+    // where the body goes on beyond all neighbors, nothing is exposed
+    let covered = |(lower, upper): Bounds| {
+        let wider = (
+            std::array::from_fn(|a| lower[a] - 1.001 * size[a]),
+            std::array::from_fn(|a| upper[a] + 1.001 * size[a]),
+        );
+        body.solid.holds(wider) == Some(true)
+    };
+    let bears = |_, x| match exposed_area(scene, index, x, force.sides) {
+        [0.0, 0.0, 0.0] => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(()),
+    };
+    filling.search(filling.span(), &covered, &mut { bears }).is_break()
 }
 
 /// All particles of the body are in the domain.
@@ -145,12 +144,17 @@ fn in_domain(scene: &Scene, body: &Body, node: &Node, most: usize) -> Outcome<()
     }
     fits(domain, body, node, most)?;
     let goes_on = rigid::goes_on(scene, body);
-    let is_out = |x: &[f64; 3]| {
-        (0..3).any(|a| (x[a] < lower[a] && !goes_on[2 * a]) || (x[a] > upper[a] && !goes_on[2 * a + 1]))
-    };
-    points(domain, body.particles_per_cell, &body.solid, bounds)
-        .find(is_out)
-        .map_or(Ok(()), |x| Err(outside(x)))
+    let reach: Bounds = (
+        std::array::from_fn(|a| if goes_on[2 * a] { f64::NEG_INFINITY } else { lower[a] }),
+        std::array::from_fn(|a| if goes_on[2 * a + 1] { f64::INFINITY } else { upper[a] }),
+    );
+    let within = |(from, to): Bounds| (0..3).all(|a| reach.0[a] <= from[a] && to[a] <= reach.1[a]);
+    let filling = Filling::new(domain, body.particles_per_cell, body.solid.clone(), bounds);
+    let is_out = |_, x| if within((x, x)) { ControlFlow::Continue(()) } else { ControlFlow::Break(x) };
+    match filling.search(filling.span(), &within, &mut { is_out }) {
+        ControlFlow::Break(x) => Err(outside(x)),
+        ControlFlow::Continue(()) => Ok(()),
+    }
 }
 
 /// The lattice around the body can be walked: it is not far larger than memory.
@@ -159,19 +163,21 @@ fn fits(domain: &Domain, body: &Body, node: &Node, most: usize) -> Outcome<()> {
     if lattice > 16.0 * most as f64 { Err(too_many(body, node, lattice, most)) } else { Ok(()) }
 }
 
-/// The number of the body's particles, which is not zero and, with the `earlier` ones, at most `most`.
-fn counted(scene: &Scene, body: &Body, node: &Node, earlier: usize, most: usize) -> Outcome<usize> {
-    let count = sample(scene, body).take(most.saturating_add(1)).count();
-    if earlier + count > most {
-        let lattice = size(&cells(&scene.domain, body.solid.bounds())) * particles_of_a_cell(body);
-        return Err(too_many(body, node, lattice, most));
-    }
-    if count == 0 {
+/// The number of the body's particles, which is not zero and, with the `earlier` ones, at most `most`. Counted are they if that is
+/// in doubt: otherwise the number is that of the lattice around the body.
+fn counted(scene: &Scene, body: &Body, node: &Node, earlier: u64, most: usize) -> Outcome<u64> {
+    let filling = Filling::of(scene, body);
+    if filling.any().is_none() {
         let h = scene.domain.cell;
         return Err(Fault::new(node.get("shape").place, format!("body {:?} has no particles", body.name))
             .help(format!(
                 "no point of its lattice lies inside: enlarge it, or use cells smaller than {h} m"
             )));
+    }
+    let lattice = lattice::size(filling.span());
+    let count = if earlier + lattice > most as u64 { filling.count(filling.span()) } else { lattice };
+    if earlier + count > most as u64 {
+        return Err(too_many(body, node, lattice as f64, most));
     }
     Ok(count)
 }
@@ -202,7 +208,8 @@ fn particles_of_a_cell(body: &Body) -> f64 {
 fn apart(domain: &Domain, a: &Body, b: &Body, node: &Node) -> Outcome<()> {
     let shared = overlap(overlap(a.solid.bounds(), b.solid.bounds()), inside(domain));
     let meeting = |body: &Body, other: &Body| {
-        points(domain, body.particles_per_cell, &body.solid, shared).find(|x| other.solid.contains(*x))
+        let both = Solid::Intersection(vec![body.solid.clone(), other.solid.clone()]);
+        Filling::new(domain, body.particles_per_cell, both, shared).any()
     };
     match meeting(a, b).or_else(|| meeting(b, a)) {
         Some(x) => {

@@ -1,7 +1,9 @@
 //! What a scene would exchange and cost, from the scene alone: no step is taken and no particle data are stored.
+use crate::simulation::start::place_bodies;
 use crate::simulation::{layout, populate, step_program};
 use engine::data::layout::ParticleLayout;
 use engine::data::warehouse::Warehouse;
+use engine::exec::ranks::Alone;
 use engine::exec::traffic;
 use engine::graph::error::GraphError;
 use engine::graph::traffic::Traffic;
@@ -32,7 +34,7 @@ pub fn plan(scene: &Scene, wanted: usize, ranks: usize) -> Result<Plan, String> 
     if ranks == 0 {
         return Err("0 ranks cannot run anything: give --ranks 1 or more".to_owned());
     }
-    let (decomposition, costs) = layout::decompose(scene, wanted)?;
+    let (decomposition, costs) = layout::decompose(scene, wanted, ranks)?;
     let warehouse = outline(scene, decomposition.clone());
     let partition = Partition::by_cost(&decomposition, &costs, 0, ranks)?;
     let mut traffic = traffic::count(&warehouse, &partition);
@@ -67,7 +69,8 @@ pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
     let nothing = |_| ParticleLayout::new(&SCHEMA, [], BTreeMap::new());
     let tiles = recipes::tiles(scene);
     let mut warehouse = populate::empty(scene, decomposition, partition, nothing, [], &tiles);
-    populate::place_bodies(scene, &mut warehouse);
+    // one rank is never gone
+    let _ = place_bodies(scene, &mut warehouse, &mut Alone);
     for body in scene.bodies.iter().filter(|body| scene.materials[body.material].has_particles()) {
         for x in sampling::sample(scene, body) {
             // a body that leaves the level is refused by the run; here the rest of it counts

@@ -1,6 +1,7 @@
 //! A run's state into a checkpoint, and out of it.
 use super::fault::RunError;
-use super::{Ledger, Simulation, layout, populate};
+use super::start::Roll;
+use super::{Ledger, Simulation, populate};
 use crate::output;
 use crate::output::checkpoint::{self, Head, Part, Reader, Recorded, VERSION};
 use engine::data::rates::Clock;
@@ -88,19 +89,20 @@ impl Simulation {
         isa: Isa,
         from: &Reader,
     ) -> Result<Self, RunError> {
-        let tables =
-            (0..from.head.materials.len()).map(|m| from.blocks(m)).collect::<output::Result<Vec<_>>>()?;
-        let census: Vec<_> = tables.iter().flatten().map(|b| (b.index, u64::from(b.count))).collect();
-        let cut = |scene: &Scene, wanted| layout::cut(scene, wanted, &census);
-        let fill = |scene: &Scene, warehouse: &mut Warehouse| {
+        let census = |_: &Scene, _: &Roll, _: &mut dyn Network| {
+            let tables = (0..from.head.materials.len()).map(|m| from.blocks(m));
+            let tables = tables.collect::<output::Result<Vec<_>>>()?;
+            Ok(tables.iter().flatten().map(|b| (b.index, u64::from(b.count))).collect())
+        };
+        let fill = |scene: &Scene, roll: &Roll, warehouse: &mut Warehouse, _: &mut dyn Network, _| {
             checkpoint::fill(warehouse, from)?;
-            populate::recall(scene, warehouse);
+            populate::recall(scene, roll, warehouse);
             // the end of the run may be another one
             let clock: Clock = warehouse.shared.get(Time::ID, 0);
             warehouse.shared.set(Time::ID, 0, Clock { until: scene.run.until, ..clock });
             Ok(())
         };
-        let mut simulation = Self::assemble(network, scene, isa, cut, fill)?;
+        let mut simulation = Self::assemble(network, scene, isa, census, fill)?;
         let givers = simulation.warehouse.tiles.of(Reactions::ID, 0);
         simulation.ledger = Ledger::from_numbers(&from.head.ledger, simulation.scene.materials.len(), givers)
             .ok_or_else(|| from.wrong("its ledger is not one of this scene".into()))?;

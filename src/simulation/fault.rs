@@ -72,11 +72,23 @@ pub enum RunError {
         /// Where the particle is [m].
         position: [f64; 3],
     },
-    /// A body's particle lies outside of the level.
-    #[error("body {body} reaches outside of the domain")]
-    Outside {
-        /// The body.
-        body: String,
+    /// More particles than the machine of a rank can hold.
+    #[error(
+        "the particles do not fit into memory: rank {rank} has {particles} particles, which take {:.1} GB with their nodes; with all of the \
+         {ranks} ranks on its machine that is {:.1} GB, and there are {available:.1} GB. Use larger cells (--set domain.cell=...) or fewer \
+         particles a cell, or run it on more machines", gigabytes[0], gigabytes[1]
+    )]
+    Memory {
+        /// The rank.
+        rank: usize,
+        /// Ranks on its machine, itself included.
+        ranks: usize,
+        /// Its particles.
+        particles: u64,
+        /// What they take, and those of all ranks on the machine [GB].
+        gigabytes: [f64; 2],
+        /// Memory that new work can take there [GB].
+        available: f64,
     },
     /// A particle's state is not admissible.
     #[error(

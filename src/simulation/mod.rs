@@ -16,6 +16,7 @@ pub mod rates;
 pub mod recorder;
 pub mod report;
 mod snapshot;
+pub mod start;
 mod surfaces;
 mod timing;
 mod together;
@@ -40,10 +41,12 @@ use engine::graph::build::TaskGraph;
 use engine::graph::error::GraphError;
 use engine::program::{Program, Script};
 use engine::schema::{Label, LabelId};
-use grid::{Decomposition, Partition};
+use grid::{BlockIndex, Partition};
 use probes::Probes;
 use scene::{Rates, Scene};
 use simd::Isa;
+use start::Roll;
+use start::memory::Share;
 use std::path::Path;
 use tasks::{labels, recipes};
 
@@ -117,7 +120,9 @@ impl Simulation {
     /// # Errors
     /// Patches that do not fit, or threads that do not start.
     pub fn on(network: Box<dyn Network>, scene: Scene, isa: Isa) -> Result<Self, RunError> {
-        let mut simulation = Self::assemble(network, scene, isa, layout::decompose, populate::populate)?;
+        let census =
+            |scene: &Scene, roll: &Roll, network: &mut dyn Network| Ok(start::census(scene, roll, network)?);
+        let mut simulation = Self::assemble(network, scene, isa, census, populate::populate)?;
         // what the first step reads, too
         let wanted: Vec<LabelId> = WANTED.iter().chain(&simulation.graph().carried).copied().collect();
         let patches = simulation.warehouse.decomposition.patches.len();
@@ -131,19 +136,24 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Patches, graphs and workers for `scene`: `cut` makes about as many patches as it is told and says what each costs,
-    /// `fill` puts the particles of this rank into them.
+    /// Patches, graphs and workers for `scene`: `census` says which blocks are occupied, with their particles, and `fill` puts those
+    /// of this rank into its patches, on so many threads.
     fn assemble(
-        network: Box<dyn Network>,
+        mut network: Box<dyn Network>,
         scene: Scene,
         isa: Isa,
-        cut: impl FnOnce(&Scene, usize) -> Result<(Decomposition, Vec<u64>), String>,
-        fill: impl FnOnce(&Scene, &mut Warehouse) -> Result<(), RunError>,
+        census: impl FnOnce(&Scene, &Roll, &mut dyn Network) -> Result<Vec<(BlockIndex, u64)>, RunError>,
+        fill: impl FnOnce(&Scene, &Roll, &mut Warehouse, &mut dyn Network, usize) -> Result<(), RunError>,
     ) -> Result<Self, RunError> {
         let threads = scene.run.threads.unwrap_or_else(available_threads);
-        let (decomposition, loads) = cut(&scene, 8 * threads * network.size()).map_err(RunError::Patches)?;
-        let partition = Partition::by_cost(&decomposition, &loads, network.rank(), network.size())
-            .map_err(RunError::Patches)?;
+        let (rank, ranks) = (network.rank(), network.size());
+        let roll = Roll::call(&scene, &mut *network)?;
+        let census = census(&scene, &roll, &mut *network)?;
+        let (decomposition, loads) =
+            layout::cut(&scene, 8 * threads * ranks, ranks, &census).map_err(RunError::Patches)?;
+        let partition = Partition::by_cost(&decomposition, &loads, rank, ranks).map_err(RunError::Patches)?;
+        let mine = Share::here(partition.mine().map(|patch| loads[patch]).sum());
+        start::memory::fits(&start::memory::shares(mine, &mut *network)?)?;
         let patches = decomposition.patches.len();
         let program = step_program(&scene, patches)?;
         let report = Script::Graph("report", recipes::report(&scene));
@@ -152,9 +162,10 @@ impl Simulation {
         let tiles = &recipes::tiles(&scene);
         let mut warehouse =
             populate::empty(&scene, decomposition, partition, labels, program.labels(), tiles);
-        fill(&scene, &mut warehouse)?;
+        fill(&scene, &roll, &mut warehouse, &mut *network, threads)?;
         let engine = Engine::new(backend(threads)?, isa, &warehouse);
-        let (ledger, balance, probes) = (Ledger::default(), Balance::default(), Probes::of(&scene));
+        let probes = Probes::of(&scene, &roll, &mut *network)?;
+        let (ledger, balance) = (Ledger::default(), Balance::default());
         let (steps, updates) = (0, 0);
         Ok(Self {
             scene,

@@ -1,27 +1,23 @@
 //! What a scene wants to be followed in time.
 use super::snapshot::State;
+use super::start::Roll;
 use bytemuck::{Zeroable, cast_slice, cast_slice_mut};
 use engine::data::exact_sum::ExactSum;
 use engine::data::warehouse::Warehouse;
 use engine::exec::ranks::{Network, NetworkError, collective};
+use scene::Scene;
 use scene::shown::{Probe, ProbeOf};
-use scene::{Scene, sampling};
+use std::cell::Cell;
+use std::ops::{ControlFlow, Range};
 
-/// Particles by their identities, a bit each.
+/// Particles by their identities: ranges, ascending.
 #[derive(Clone, Debug, Default)]
-struct Members(Vec<u64>);
+struct Members(Vec<Range<u64>>);
 
 impl Members {
-    fn add(&mut self, identity: u64) {
-        let (word, bit) = ((identity / 64) as usize, identity % 64);
-        if self.0.len() <= word {
-            self.0.resize(word + 1, 0);
-        }
-        self.0[word] |= 1 << bit;
-    }
-
     fn has(&self, identity: u64) -> bool {
-        self.0.get((identity / 64) as usize).is_some_and(|word| word >> (identity % 64) & 1 == 1)
+        let next = self.0.partition_point(|range| range.end <= identity);
+        self.0.get(next).is_some_and(|range| range.contains(&identity))
     }
 }
 
@@ -39,9 +35,21 @@ struct Tally {
 }
 
 impl Probes {
-    /// Those of a scene: who is where at the start follows from it alone.
-    pub fn of(scene: &Scene) -> Self {
-        Self(scene.probes.iter().map(|probe| members(scene, probe)).collect())
+    /// Those of a scene: who is where at the start follows from it alone. All ranks call it.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn of(scene: &Scene, roll: &Roll, network: &mut dyn Network) -> Result<Self, NetworkError> {
+        let mut members = |probe: &Probe| {
+            let members = match &probe.of {
+                ProbeOf::Nearest(point) => nearest(scene, roll, probe.material, *point),
+                ProbeOf::Mean(region) | ProbeOf::Largest(region) | ProbeOf::Smallest(region) => {
+                    roll.members(scene, probe.material, region, network)?
+                }
+            };
+            Ok(Members(members))
+        };
+        Ok(Self(scene.probes.iter().map(&mut members).collect::<Result<_, NetworkError>>()?))
     }
 
     /// The value of each component of each probe now, the same on all ranks; not a number where nobody has one.
@@ -64,27 +72,32 @@ impl Probes {
     }
 }
 
-/// The particles of a probe.
-fn members(scene: &Scene, probe: &Probe) -> Members {
-    let (mut members, mut nearest) = (Members::default(), None);
-    let all = (0..).zip(sampling::all(scene));
-    for (identity, (body, x)) in all.filter(|(_, (body, _))| scene.bodies[*body].material == probe.material) {
-        match &probe.of {
-            ProbeOf::Nearest(point) => {
-                let distance: f64 = (0..3).map(|a| (x[a] - point[a]).powi(2)).sum();
-                if nearest.is_none_or(|(least, _)| distance < least) {
-                    nearest = Some((distance, identity));
-                }
+/// The particle of a material that is nearest to a point: of several the first. Boxes that lie farther away than one that is known
+/// are not looked at, so that each rank finds it by itself.
+fn nearest(scene: &Scene, roll: &Roll, material: usize, point: [f64; 3]) -> Vec<Range<u64>> {
+    let square = |x: [f64; 3]| -> f64 { (0..3).map(|a| (x[a] - point[a]).powi(2)).sum() };
+    let (least, mut found) = (Cell::new(f64::INFINITY), None);
+    for body in (0..scene.bodies.len()).filter(|&body| scene.bodies[body].material == material) {
+        let Some(numbering) = roll.of(body) else { continue };
+        let filling = numbering.filling();
+        let far = |(lower, upper): ([f64; 3], [f64; 3])| {
+            square(std::array::from_fn(|a| point[a].clamp(lower[a], upper[a]))) > least.get()
+        };
+        let _ = filling.search(filling.span(), &far, &mut |at, x| {
+            let key = (body, filling.order(at));
+            if square(x) < least.get()
+                || square(x) == least.get() && found.is_none_or(|(other, _)| key < other)
+            {
+                least.set(square(x));
+                found = Some((key, at));
             }
-            ProbeOf::Mean(region) | ProbeOf::Largest(region) | ProbeOf::Smallest(region) => {
-                if region.contains(body, x) {
-                    members.add(identity);
-                }
-            }
-        }
+            ControlFlow::<()>::Continue(())
+        });
     }
-    nearest.into_iter().for_each(|(_, identity)| members.add(identity));
-    members
+    let identity = |((body, _), at): ((usize, _), _)| {
+        roll.of(body).map(|numbering| roll.identities(body).start + numbering.number_of(at))
+    };
+    found.and_then(identity).map(|identity| identity..identity + 1).into_iter().collect()
 }
 
 fn tally(scene: &Scene, warehouse: &Warehouse, probe: &Probe, members: &Members) -> Vec<Tally> {

@@ -1,6 +1,7 @@
 //! Which particles forces act on, and with which part of the surface.
-use super::fault::RunError;
-use scene::sampling::{exposed_area, sample};
+use super::start::Roll;
+use engine::exec::ranks::{Network, NetworkError};
+use scene::sampling::exposed_area;
 use scene::{ForceKind, Scene};
 
 /// Forces on particles at the start.
@@ -11,26 +12,26 @@ pub struct Surfaces<'a> {
 }
 
 impl<'a> Surfaces<'a> {
-    /// Those of a scene.
-    pub fn of(scene: &'a Scene) -> Self {
-        let share = |force: &scene::Force| {
-            let bodies = scene.bodies.iter().enumerate().filter(|(_, body)| body.material == force.material);
-            let particles = bodies.flat_map(|(index, body)| sample(scene, body).map(move |x| (index, x)));
-            let count = particles.filter(|(index, x)| force.region.contains(*index, *x)).count();
-            if count > 0 { 1.0 / count as f64 } else { 0.0 }
+    /// Those of a scene. All ranks call it.
+    ///
+    /// # Errors
+    /// If a rank is gone.
+    pub fn of(scene: &'a Scene, roll: &Roll, network: &mut dyn Network) -> Result<Self, NetworkError> {
+        let mut share = |force: &scene::Force| {
+            let ForceKind::Total(_) = force.kind else { return Ok(0.0) };
+            let members = roll.members(scene, force.material, &force.region, network)?;
+            let count: u64 = members.iter().map(|range| range.end - range.start).sum();
+            Ok(if count > 0 { 1.0 / count as f64 } else { 0.0 })
         };
-        let shares = scene.forces.iter().map(|force| match force.kind {
-            ForceKind::Total(_) => share(force),
-            _ => 0.0,
-        });
-        Self { scene, shares: shares.collect() }
+        let shares = scene.forces.iter().map(&mut share).collect::<Result<_, NetworkError>>()?;
+        Ok(Self { scene, shares })
     }
 
     /// The force that acts on a particle of a body at `x` [m] at the start, and its `SurfaceArea`.
     ///
     /// # Errors
-    /// Two forces that act on the same particle.
-    pub fn on(&self, body: usize, x: [f64; 3]) -> Result<Option<(usize, [f64; 3])>, RunError> {
+    /// Two forces that act on the same particle, by their numbers.
+    pub fn on(&self, body: usize, x: [f64; 3]) -> Result<Option<(usize, [f64; 3])>, [usize; 2]> {
         let material = self.scene.bodies[body].material;
         let mut found: Option<(usize, [f64; 3])> = None;
         let forces = self.scene.forces.iter().enumerate();
@@ -44,8 +45,7 @@ impl<'a> Surfaces<'a> {
                 continue;
             }
             if let Some((other, _)) = found {
-                let names = [other, number].map(|number| self.scene.forces[number].name.clone());
-                return Err(RunError::TwoForces { names, position: x });
+                return Err([other, number]);
             }
             found = Some((number, area));
         }

@@ -13,8 +13,10 @@ use crate::rigid::round::{BondedRound, RigidRound};
 use crate::rigid::sites::{DrivenSites, RigidSites};
 use crate::rigid::solve::RigidSolve;
 use crate::tool::Tool;
-use scene::sampling::{count, particle_volume, sample};
+use physics::solid::dot;
+use scene::sampling::{Filling, count, particle_volume};
 use scene::{Behavior, RigidMotion as Motion, Scene, Table};
+use std::ops::ControlFlow;
 
 impl Builder<'_> {
     fn has_free(&self) -> bool {
@@ -110,12 +112,26 @@ pub fn pushes(scene: &Scene) -> bool {
 
 /// The particles of a rigid material that lie next to its surface [m].
 fn surface_points(scene: &Scene, material: usize) -> Vec<[f64; 3]> {
-    let near = |body: &scene::Body, x: &[f64; 3]| {
+    let mut points = Vec::new();
+    for body in scene.bodies_of(material) {
         let n = body.particles_per_cell.iter().copied().min().unwrap_or(1);
-        body.solid.distance(*x).0 > -scene.domain.cell / n as f64
-    };
-    let of = |body| sample(scene, body).filter(move |x| near(body, x));
-    scene.bodies_of(material).flat_map(of).collect()
+        let (solid, depth, filling) = (&body.solid, -scene.domain.cell / n as f64, Filling::of(scene, body));
+        // no distance changes faster than the point moves
+        let deep = |(lower, upper): ([f64; 3], [f64; 3])| {
+            let half: [f64; 3] = std::array::from_fn(|a| 0.5 * (upper[a] - lower[a]));
+            let middle = std::array::from_fn(|a| lower[a] + half[a]);
+            solid.distance(middle).0 + dot(half, half).sqrt() * (1.0 + 1e-9) < depth * (1.0 + 1e-9)
+        };
+        let first = points.len();
+        let _ = filling.search(filling.span(), &deep, &mut |at, x| {
+            if solid.distance(x).0 > depth {
+                points.push((filling.order(at), x));
+            }
+            ControlFlow::<()>::Continue(())
+        });
+        points[first..].sort_unstable_by_key(|(order, _)| *order);
+    }
+    points.into_iter().map(|(_, x)| x).collect()
 }
 
 /// The force on each free rigid material in time [N].

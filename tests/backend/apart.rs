@@ -149,8 +149,7 @@ impl Apart {
     ) {
         let Some(material) = stage.material else { return };
         for patch in data.partition.mine() {
-            let first = data.decomposition.patches[patch].blocks.lower[0];
-            let slab = data.particles[patch][material].slab_mut(first, &which.layers());
+            let slab = data.particles[patch][material].slab_mut(&which.layers());
             for block in slab.iter_mut().filter(|block| which.has(|| block.rim)) {
                 of_particles((material, &data.materials[material]), data.node_layout, block, &mut each);
             }

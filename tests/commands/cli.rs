@@ -88,15 +88,6 @@ fn more_patches_than_blocks_is_bad_usage() {
 }
 
 #[test]
-fn a_domain_of_more_blocks_than_memory_is_a_bad_scene() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let wide = ["--set", "domain.upper=[1000, 1000, 1000]", "--set", "domain.lower=[-1, -1, -1]"];
-    let output = short_run(folder.path(), &[&["-q"], &wide[..]].concat());
-    assert_eq!(output.status.code(), Some(2), "{}", words(&output));
-    assert!(words(&output).contains("the domain does not fit into memory"), "{}", words(&output));
-}
-
-#[test]
 fn more_threads_than_can_be_is_bad_usage_wherever_they_are_asked_for() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     assert!(short_run(folder.path(), &["-q", "--set", "output.checkpoint.steps=3"]).status.success());

@@ -13,4 +13,5 @@ mod picture;
 mod scale;
 mod scale_trace;
 mod tables;
+mod wide;
 mod wound;

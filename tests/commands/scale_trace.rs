@@ -156,7 +156,7 @@ fn check(name: &str, overrides: Overrides<'_>, least_ticks: usize) {
     let trace = Trace::load(&path).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(trace.lost(), 0);
 
-    let (patches, _) = layout::decompose(&scene, RANKS).expect("patches that fit");
+    let (patches, _) = layout::decompose(&scene, RANKS, RANKS).expect("patches that fit");
     let graph = step_graph(&scene, patches.patches.len()).unwrap_or_else(|e| panic!("{e}"));
     let step = Step::of(&scene, &graph);
     assert_eq!(ticks, (STEPS * step.ticks.len()) as u64, "a step at rest has the ticks of the run");

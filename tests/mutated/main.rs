@@ -23,8 +23,6 @@ use toml::Table;
 /// Memory that a scene may ask for [B], and particles of a scene that is run.
 const MEMORY: usize = 64 << 20;
 const PARTICLES: usize = 14_000;
-/// Blocks of a scene that is run: as many as a domain has whose bodies fill a small part of it.
-const BLOCKS: usize = 1 << 20;
 /// The longest that reading, or a run of two steps, may take on a busy machine.
 const LONGEST: Duration = Duration::from_secs(60);
 
@@ -68,9 +66,8 @@ fn coarse(path: &Path) -> Base {
 }
 
 fn is_small(scene: &Scene) -> bool {
-    let blocks = scene.domain.cells.iter().map(|cells| cells / 4 + 1).product::<usize>();
     let filled = scene.bodies.iter().filter(|body| scene.materials[body.material].has_particles());
-    blocks <= BLOCKS && filled.map(|body| sampling::count(scene, body)).sum::<usize>() <= PARTICLES
+    filled.map(|body| sampling::count(scene, body)).sum::<usize>() <= PARTICLES
 }
 
 #[test]
@@ -132,11 +129,10 @@ fn resolved(scene: &Scene) -> Result<(), String> {
 
 /// Which part of the reader has refused a scene.
 fn class(error: &SceneError) -> &'static str {
-    const WHOLE: [&str; 14] = [
+    const WHOLE: [&str; 13] = [
         "outside of the domain",
         " overlap at ",
         "do not fit into memory",
-        "does not fit into memory",
         "has no particles",
         "has no body",
         "meets nothing",

@@ -26,5 +26,7 @@ mod rates;
 mod rigid;
 #[path = "../common/random.rs"]
 mod runner;
+mod startup;
 mod tools;
 mod transfer;
+mod wide;

@@ -84,7 +84,7 @@ impl From<RunError> for Failure {
         match error {
             RunError::Patches(_)
             | RunError::Resolution { .. }
-            | RunError::Outside { .. }
+            | RunError::Memory { .. }
             | RunError::TwoDrives { .. }
             | RunError::TwoForces { .. }
             | RunError::Checkpoint(_) => Failure::usage(error),

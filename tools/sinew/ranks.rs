@@ -9,6 +9,7 @@ use simd::Isa;
 use sinew::input::Written;
 use sinew::input::identity::first_difference;
 use sinew::output::together::path_from_first;
+use sinew::simulation::start::memory::of_all_machines;
 use std::path::Path;
 
 /// The ranks that were launched together.
@@ -100,7 +101,8 @@ pub fn scene(
     let Written { file, text } = agree(network, found)?.unwrap_or_default();
     let file = path_from_first(network, &file).map_err(lost)?;
     let text = text_from_first(network, &text)?;
-    let scene = agree(network, Written { file, text }.scene(overrides).map_err(Failure::from))?;
+    let memory = of_all_machines(network).map_err(lost)?;
+    let scene = agree(network, Written { file, text }.scene_in(overrides, memory).map_err(Failure::from))?;
     let first = text_from_first(network, &scene.resolved)?;
     // under one path there may be other meshes
     let differs = first_difference(&first, &scene.resolved).map(|difference| {

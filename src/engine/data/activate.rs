@@ -17,11 +17,9 @@ impl Warehouse {
     /// Rebuilds what follows from the set of occupied blocks. [`Warehouse::set_beyond`] comes before it.
     pub fn activate(&mut self) {
         for patch in self.partition.mine() {
-            let blocks = self.decomposition.patches[patch].blocks;
-            self.particles[patch].iter_mut().for_each(|home| home.settle(blocks));
+            self.particles[patch].iter_mut().for_each(ParticlePatch::settle);
         }
-        let reach = self.reach();
-        self.activate_nodes(reach);
+        self.activate_nodes();
         let indices = |m: usize| {
             let homes = self.particles.iter().map(move |patch| &patch[m].blocks);
             homes.map(|blocks| blocks.iter().map(|block| block.index))
@@ -54,14 +52,6 @@ impl Warehouse {
         if self.own_rates { FARTHEST } else { FARTHEST - 1 }
     }
 
-    /// A box around all blocks that this rank knows.
-    fn reach(&self) -> IndexBox {
-        let mut boxes = self.partition.mine().map(|patch| self.decomposition.patches[patch].blocks);
-        let first = boxes.next().unwrap_or(IndexBox { lower: [0; 3], upper: [0; 3] });
-        let all = boxes.fold(first, |a, b| a.around(&b));
-        if self.partition.ranks == 1 { all } else { all.grown(self.sight()) }
-    }
-
     /// Notes the occupied blocks of other ranks in sight of this one's, each a material and an index, in any order. Those
     /// known before keep what they gave to nodes.
     pub fn set_beyond(&mut self, occupied: impl Iterator<Item = (usize, BlockIndex)>) {
@@ -87,24 +77,34 @@ impl Warehouse {
 
     /// Node blocks: wherever a material's occupied block, or a neighbor of one, lies. Of other ranks, those that particles
     /// here read, with all their fields: which labels are there depends on how many there are.
-    fn activate_nodes(&mut self, reach: IndexBox) {
+    fn activate_nodes(&mut self) {
         let Self { decomposition, partition, fields, node_layout, particles, nodes, .. } = self;
-        let map = || Map::new(reach, FieldSet::words(fields.len()), 0u64);
+        let map = || Map::new(FieldSet::words(fields.len()), 0u64);
         let (mut touched, of) = (map(), |material: usize| fields.of(material));
         mark(&mut touched, particles, of, |_| true);
-        for patch in partition.mine() {
-            let blocks = decomposition.patches[patch].blocks;
-            renew(&mut nodes[patch], blocks, [&touched; 2], node_layout);
-            nodes[patch].settle(blocks);
-        }
-        if partition.ranks == 1 {
-            return;
-        }
         let mut read = map();
-        mark(&mut read, particles, of, |patch| partition.is_mine(patch));
-        for patch in (0..nodes.len()).filter(|&patch| !partition.is_mine(patch)) {
-            let blocks = decomposition.patches[patch].blocks.common(&reach);
-            renew(&mut nodes[patch], blocks, [&read, &touched], node_layout);
+        if partition.ranks > 1 {
+            mark(&mut read, particles, of, |patch| partition.is_mine(patch));
+        }
+        // of this rank's patches all that is touched, of others' what is read here
+        let owner = |index: BlockIndex| decomposition.owner(index);
+        let mine = touched.set().filter_map(|(index, words)| Some((owner(index)?, (index, words))));
+        let mut lists: Vec<Vec<(BlockIndex, &[u64])>> = vec![Vec::new(); nodes.len()];
+        mine.filter(|(patch, _)| partition.is_mine(*patch))
+            .for_each(|(patch, block)| lists[patch].push(block));
+        for (index, _) in read.set() {
+            if let (Some(patch), Some(words)) = (owner(index), touched.get(index))
+                && !partition.is_mine(patch)
+            {
+                lists[patch].push((index, words));
+            }
+        }
+        for (patch, mut list) in lists.into_iter().enumerate() {
+            list.sort_unstable_by_key(|(index, _)| *index);
+            renew(&mut nodes[patch], &list, node_layout);
+            if partition.is_mine(patch) {
+                nodes[patch].settle();
+            }
         }
     }
 
@@ -112,19 +112,16 @@ impl Warehouse {
     fn link(&mut self, homes: &[Map<Place>]) {
         let indices = self.nodes.iter().map(|patch| patch.blocks.iter().map(|block| block.index));
         let map = Map::of_places(indices);
-        let of_homes: Vec<[isize; 27]> = homes.iter().map(Map::deltas).collect();
         for patch in self.partition.mine() {
             for block in &mut self.nodes[patch].blocks {
                 for (around, &field) in block.around.iter_mut().zip(&block.present) {
-                    let material = self.fields.material(field);
-                    *around = homes[material].around(block.index, &of_homes[material]);
+                    *around = homes[self.fields.material(field)].around(block.index);
                 }
             }
         }
-        let deltas = map.deltas();
         for block in self.particles.iter_mut().flatten().flat_map(|home| &mut home.blocks) {
             block.meets = false;
-            block.around = map.around(block.index, &deltas);
+            block.around = map.around(block.index);
         }
     }
 
@@ -151,7 +148,10 @@ impl Warehouse {
     /// materials have rates of their own, before their own step ends.
     fn mark_meeting(&mut self, homes: &[Map<Place>]) {
         let apart = self.sight();
-        let cube = IndexBox { lower: [-apart; 3], upper: [apart + 1; 3] };
+        let cube = |index: BlockIndex| IndexBox {
+            lower: index.map(|i| i - apart),
+            upper: index.map(|i| i + apart + 1),
+        };
         let count = |m: usize| self.particles.iter().map(|patch| patch[m].blocks.len()).sum::<usize>();
         let counts: Vec<usize> = (0..homes.len()).map(count).collect();
         for (m, _) in self.materials.iter().enumerate().filter(|(m, material)| material.interacts[*m]) {
@@ -163,11 +163,10 @@ impl Warehouse {
                 continue;
             }
             let (few, many) = if counts[a] <= counts[b] { (a, b) } else { (b, a) };
-            let deltas: Vec<isize> = cube.iter().map(|offset| homes[many].delta(offset)).collect();
             for patch in 0..self.particles.len() {
                 for position in 0..self.particles[patch][few].blocks.len() {
                     let index = self.particles[patch][few].blocks[position].index;
-                    for (patch_of_other, other) in beside(&homes[many], index, (&cube, &deltas)) {
+                    for (patch_of_other, other) in homes[many].inside(cube(index)) {
                         self.particles[patch_of_other as usize][many].blocks[other as usize].meets = true;
                         self.particles[patch][few].blocks[position].meets = true;
                     }
@@ -177,22 +176,6 @@ impl Warehouse {
     }
 }
 
-/// The blocks of a map in a cube around an index, which may lie outside of the map.
-fn beside<'a>(
-    map: &'a Map<Place>,
-    index: BlockIndex,
-    (cube, deltas): (&'a IndexBox, &'a [isize]),
-) -> impl Iterator<Item = Place> + 'a {
-    let inside = map.holds(index, cube.upper[0] - 1).then(|| map.at(index));
-    let near = inside.into_iter().flat_map(move |at| deltas.iter().map(move |&delta| map.place(at, delta)));
-    let far = inside.is_none().then(|| cube.iter()).into_iter().flatten();
-    let far = far.filter_map(move |offset| {
-        let at = map.find([0, 1, 2].map(|a| index[a] + offset[a]))?;
-        Some(map.place(at, 0))
-    });
-    near.chain(far).filter(|&place| place != NOWHERE)
-}
-
 /// Marks the blocks around the occupied ones of some patches, one bit a field; `of` says which fields a material has.
 fn mark(
     touched: &mut Map<u64>,
@@ -200,28 +183,25 @@ fn mark(
     of: impl Fn(usize) -> Range<usize>,
     wanted: impl Fn(usize) -> bool,
 ) {
-    let deltas = touched.deltas();
     for (_, homes) in particles.iter().enumerate().filter(|(patch, _)| wanted(*patch)) {
         for (material, home) in homes.iter().enumerate() {
-            for field in of(material) {
-                let (word, bit) = (field / 64, 1 << (field % 64));
-                for block in &home.blocks {
-                    let at = touched.at(block.index);
-                    deltas.iter().for_each(|&d| *touched.word_mut(at.wrapping_add_signed(d), word) |= bit);
+            for block in &home.blocks {
+                for place in touched.places_around(block.index) {
+                    let words = touched.words_mut(place);
+                    of(material).for_each(|field| words[field / 64] |= 1 << (field % 64));
                 }
             }
         }
     }
 }
 
-/// Makes node blocks where something is `wanted`, of the fields that touch them; one that stays as it was keeps its memory.
-fn renew(nodes: &mut NodePatch, blocks: IndexBox, [wanted, touched]: [&Map<u64>; 2], layout: &NodeLayout) {
+/// Makes node blocks of a patch where a list says, which is in x-major order, of the fields that touch them; one that stays as it
+/// was keeps its memory.
+fn renew(nodes: &mut NodePatch, list: &[(BlockIndex, &[u64])], layout: &NodeLayout) {
     let fields = |set: &FieldSet<'_>| set.iter().collect::<Present>();
-    // both lists are in x-major order
     let mut old = std::mem::take(&mut nodes.blocks).into_iter().peekable();
-    let all = blocks.iter().map(|index| (index, touched.at(index)));
-    for (index, at) in all.filter(|(_, at)| !FieldSet(wanted.get(*at)).is_empty()) {
-        let set = FieldSet(touched.get(at));
+    for &(index, words) in list {
+        let set = FieldSet(words);
         while old.next_if(|block| block.index < index).is_some() {}
         nodes.blocks.push(match old.next_if(|block| block.index == index) {
             Some(block) if set.is(&block.present) => block,

@@ -3,6 +3,7 @@ pub mod activate;
 pub mod exact_sum;
 pub mod extent;
 pub mod fields;
+pub mod layers;
 pub mod layout;
 mod map;
 pub mod nearby;

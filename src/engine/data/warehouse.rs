@@ -3,13 +3,15 @@
 //! Particle labels of the old and the new step share storage: the graph's write-after-read edges are what makes
 //! that safe. Labels of nodes exist only in blocks that a field touches.
 use super::fields::Fields;
+use super::layers::Layers;
 use super::layout::{NodeLayout, ParticleLayout};
+use super::map::ByIndex;
 use super::nearby::Nearby;
 use super::nodes::NodeBlock;
 use super::particles::ParticleBlock;
 use super::shared::Shared;
 use crate::schema::{LabelId, Schema, Tiles};
-use grid::{BlockIndex, Decomposition, IndexBox, Level, Partition};
+use grid::{BlockIndex, Decomposition, Level, Partition};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -41,10 +43,9 @@ impl MaterialData {
 pub struct ParticlePatch {
     /// The blocks.
     pub blocks: Vec<ParticleBlock>,
-    /// The position in `blocks`, plus 1, of each block of the patch, 0: none.
-    lookup: Vec<u32>,
-    /// The position of the first block of each layer along x, and the end.
-    layers: Vec<u32>,
+    /// The position of each in `blocks`.
+    lookup: ByIndex<u32>,
+    layers: Layers,
 }
 
 /// Node blocks of one patch, in x-major order.
@@ -52,44 +53,65 @@ pub struct ParticlePatch {
 pub struct NodePatch {
     /// The blocks.
     pub blocks: Vec<NodeBlock>,
-    layers: Vec<u32>,
+    layers: Layers,
 }
 
 impl ParticlePatch {
     /// Drops empty blocks, and sorts the others.
-    pub(super) fn settle(&mut self, patch: IndexBox) {
+    pub(super) fn settle(&mut self) {
         self.blocks.retain(|block| block.count > 0);
         self.blocks.sort_by_key(|block| block.index);
-        self.lookup.fill(0);
-        for (position, block) in (1..).zip(&self.blocks) {
-            if let Some(at) = patch.offset(block.index) {
-                self.lookup[at] = position;
-            }
-        }
-        fill_layers(&mut self.layers, patch, self.blocks.iter().map(|block| block.index));
+        self.lookup.clear();
+        self.lookup.extend(self.blocks.iter().map(|block| block.index).zip(0..));
+        self.layers.fill(self.blocks.iter().map(|block| block.index[0]));
     }
 
-    /// The blocks in some layers along x; `first` is the first layer of the patch.
-    pub fn slab_mut(&mut self, first: i32, wanted: &Range<i32>) -> &mut [ParticleBlock] {
-        let positions = positions(&self.layers, first, wanted);
+    /// Adds a particle of a material at `x` to the block where it belongs; whether that is a new one.
+    pub fn push(
+        &mut self,
+        (level, data, nodes): (&Level, &MaterialData, &NodeLayout),
+        index: BlockIndex,
+        x: [f64; 3],
+        record: &[f64],
+    ) -> bool {
+        let (position, new) = self.position(index, nodes);
+        let base = level.base(x, data.half_size);
+        self.blocks[position].push(&data.layout, level.middle(index), base, record);
+        new
+    }
+
+    /// Position of a block, which is made if it is not there; whether it is new.
+    fn position(&mut self, index: BlockIndex, nodes: &NodeLayout) -> (usize, bool) {
+        let Self { blocks, lookup, .. } = self;
+        let before = blocks.len();
+        let position = *lookup.entry(index).or_insert_with(|| {
+            blocks.push(ParticleBlock::new(index, nodes));
+            before as u32
+        });
+        (position as usize, blocks.len() > before)
+    }
+
+    /// The blocks in some layers along x.
+    pub fn slab_mut(&mut self, wanted: &Range<i32>) -> &mut [ParticleBlock] {
+        let positions = self.layers.positions(wanted);
         &mut self.blocks[positions]
     }
 }
 
 impl NodePatch {
     /// Notes where layers begin.
-    pub(super) fn settle(&mut self, patch: IndexBox) {
-        fill_layers(&mut self.layers, patch, self.blocks.iter().map(|block| block.index));
+    pub(super) fn settle(&mut self) {
+        self.layers.fill(self.blocks.iter().map(|block| block.index[0]));
     }
 
-    /// Positions of the blocks in some layers along x; `first` is the first layer of the patch.
-    pub fn slab(&self, first: i32, wanted: &Range<i32>) -> Range<usize> {
-        positions(&self.layers, first, wanted)
+    /// Positions of the blocks in some layers along x.
+    pub fn slab(&self, wanted: &Range<i32>) -> Range<usize> {
+        self.layers.positions(wanted)
     }
 
-    /// The blocks in some layers along x; `first` is the first layer of the patch.
-    pub fn slab_mut(&mut self, first: i32, wanted: &Range<i32>) -> &mut [NodeBlock] {
-        let positions = self.slab(first, wanted);
+    /// The blocks in some layers along x.
+    pub fn slab_mut(&mut self, wanted: &Range<i32>) -> &mut [NodeBlock] {
+        let positions = self.slab(wanted);
         &mut self.blocks[positions]
     }
 }
@@ -139,12 +161,8 @@ impl Warehouse {
     ) -> Self {
         let patches = decomposition.patches.len();
         let empty = vec![ParticlePatch::default(); materials.len()];
-        let mut particles = vec![empty; patches];
+        let particles = vec![empty; patches];
         let nodes = vec![NodePatch::default(); patches];
-        for patch in partition.mine() {
-            let blocks = decomposition.patches[patch].blocks.len();
-            particles[patch].iter_mut().for_each(|p| p.lookup = vec![0; blocks]);
-        }
         let fields = Fields::new(materials.iter().map(|material| material.fields));
         let node_layout = NodeLayout::new(schema, node_labels, level.shape());
         let (shared, reactivate, own_rates) =
@@ -179,10 +197,9 @@ impl Warehouse {
         let old = std::mem::replace(&mut self.partition, partition);
         for (patch, homes) in self.particles.iter_mut().enumerate() {
             let mine = self.partition.is_mine(patch);
-            let slots = if mine { self.decomposition.patches[patch].blocks.len() } else { 0 };
             for home in homes {
                 home.blocks.retain(|_| mine);
-                home.lookup = vec![0; slots];
+                home.lookup.clear();
             }
             if !(mine && old.is_mine(patch)) {
                 self.nodes[patch] = NodePatch::default();
@@ -215,10 +232,8 @@ impl Warehouse {
 
     /// Whether the block of a particle at `x` that comes from elsewhere holds others already, on this rank.
     pub fn is_occupied(&self, material: usize, x: [f64; 3]) -> bool {
-        self.home(material, x).is_ok_and(|(index, patch)| {
-            let slot = self.decomposition.patches[patch].blocks.offset(index);
-            slot.is_some_and(|slot| self.particles[patch][material].lookup[slot] > 0)
-        })
+        self.home(material, x)
+            .is_ok_and(|(index, patch)| self.particles[patch][material].lookup.contains_key(&index))
     }
 
     /// Adds a particle to the block that owns position `x`, on this rank. New blocks wait for [`Warehouse::activate`].
@@ -241,15 +256,9 @@ impl Warehouse {
     /// A position outside the level.
     pub fn make_room(&mut self, material: usize, x: [f64; 3]) -> Result<[usize; 3], OutsideLevel> {
         let (index, patch) = self.home(material, x)?;
-        let blocks = self.decomposition.patches[patch].blocks;
-        let home = &mut self.particles[patch][material];
-        let slot = &mut home.lookup[blocks.offset(index).ok_or(OutsideLevel)?];
-        if *slot == 0 {
-            home.blocks.push(ParticleBlock::new(index, &self.node_layout));
-            *slot = home.blocks.len() as u32;
-            self.reactivate = true;
-        }
-        Ok([patch, material, *slot as usize - 1])
+        let (position, new) = self.particles[patch][material].position(index, &self.node_layout);
+        self.reactivate |= new;
+        Ok([patch, material, position])
     }
 
     /// Puts a block with its particles into its patch, on this rank: for a restart.
@@ -258,24 +267,18 @@ impl Warehouse {
     /// A block outside the level.
     pub fn adopt(&mut self, material: usize, block: ParticleBlock) -> Result<(), OutsideLevel> {
         let patch = self.decomposition.owner(block.index).ok_or(OutsideLevel)?;
-        let at = self.decomposition.patches[patch].blocks.offset(block.index).ok_or(OutsideLevel)?;
         let home = &mut self.particles[patch][material];
+        home.lookup.insert(block.index, home.blocks.len() as u32);
         home.blocks.push(block);
-        home.lookup[at] = home.blocks.len() as u32;
         self.reactivate = true;
         Ok(())
     }
 
-    /// Number of particle blocks in each layer along x, from the level's first layer on, as of the last activation.
-    pub fn blocks_by_layer(&self) -> Vec<usize> {
-        let all = self.level.blocks();
-        let mut counts = vec![0; all.size()[0]];
-        for (patch, homes) in self.decomposition.patches.iter().zip(&self.particles) {
-            let first = (patch.blocks.lower[0] - all.lower[0]) as usize;
-            for layers in homes.iter().map(|home| &home.layers) {
-                let in_each = layers.windows(2).map(|ends| (ends[1] - ends[0]) as usize);
-                counts[first..].iter_mut().zip(in_each).for_each(|(count, more)| *count += more);
-            }
+    /// Number of particle blocks in each layer along x of which this rank has some.
+    pub fn blocks_by_layer(&self) -> BTreeMap<i32, usize> {
+        let mut counts = BTreeMap::new();
+        for home in self.partition.mine().flat_map(|patch| &self.particles[patch]) {
+            home.blocks.iter().for_each(|block| *counts.entry(block.index[0]).or_default() += 1);
         }
         counts
     }
@@ -305,20 +308,3 @@ impl Warehouse {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a position is outside the level")]
 pub struct OutsideLevel;
-
-fn fill_layers(layers: &mut Vec<u32>, blocks: IndexBox, indices: impl Iterator<Item = BlockIndex>) {
-    layers.clear();
-    layers.resize(blocks.size()[0] + 1, 0);
-    for index in indices {
-        layers[(index[0] - blocks.lower[0]) as usize + 1] += 1;
-    }
-    for layer in 1..layers.len() {
-        layers[layer] += layers[layer - 1];
-    }
-}
-
-/// Positions of the blocks in the layers `wanted` along x of a patch that begins at layer `first`.
-fn positions(layers: &[u32], first: i32, wanted: &Range<i32>) -> Range<usize> {
-    let at = |layer: i32| layers[((layer - first).max(0) as usize).min(layers.len() - 1)] as usize;
-    at(wanted.start)..at(wanted.end)
-}

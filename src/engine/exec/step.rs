@@ -357,21 +357,11 @@ pub fn context<'a>(
     warehouse: &'a mut Warehouse,
     (isa, schedule, buffers): (Isa, &'a Schedule, &'a Buffers),
 ) -> (Context<'a>, &'a mut Shared, Blocks<'a>) {
-    let Warehouse {
-        level,
-        decomposition,
-        partition,
-        materials,
-        fields,
-        node_layout,
-        particles,
-        nodes,
-        shared,
-        ..
-    } = warehouse;
+    let Warehouse { level, partition, materials, fields, node_layout, particles, nodes, shared, .. } =
+        warehouse;
     let (recipe, shape, first_layer) = (&graph.recipe, level.shape(), level.blocks().lower[0]);
     let context = Context { isa, recipe, level, shape, materials, fields, node_layout, schedule, buffers };
-    let blocks = Blocks { materials, node_layout, decomposition, first_layer, partition, particles, nodes };
+    let blocks = Blocks { materials, node_layout, first_layer, partition, particles, nodes };
     (context, shared, blocks)
 }
 

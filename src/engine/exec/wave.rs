@@ -12,8 +12,8 @@ pub fn slabs(warehouse: &Warehouse, workers: usize) -> Vec<Range<i32>> {
     let counts = warehouse.blocks_by_layer();
     let (mut slabs, mut blocks) = (Vec::new(), 0);
     let mut begin = warehouse.level.blocks().lower[0];
-    let mut left: usize = counts.iter().sum();
-    for (layer, count) in (begin..).zip(&counts) {
+    let mut left: usize = counts.values().sum();
+    for (layer, count) in counts {
         (blocks, left) = (blocks + count, left - count);
         if blocks >= least && left >= least {
             slabs.push(begin..layer + 1);

@@ -12,7 +12,7 @@ use crate::data::warehouse::{MaterialData, NodePatch, ParticlePatch, Warehouse};
 use crate::data::workspace::recycle;
 use crate::graph::exchange::{Exchange, Way};
 use crate::graph::phase::{Phase, Stage, When};
-use grid::{Decomposition, Partition, Patch};
+use grid::Partition;
 use simd::{Wide, prefetch_at};
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -107,8 +107,8 @@ pub fn over_nodes<E: Executor>(
     let mut items = recycle(std::mem::take(&mut memory.nodes));
     let (layers, began) = (which.layers(), watch.trace.now());
     let slab = which.slab(data.first_layer);
-    for (nodes, patch) in mine(data.nodes, data.decomposition, data.partition) {
-        let blocks = nodes.slab_mut(patch.blocks.lower[0], &layers);
+    for nodes in mine(data.nodes, data.partition) {
+        let blocks = nodes.slab_mut(&layers);
         items.extend(blocks.iter_mut().filter(|block| ends(block) && which.has(|| block.rim)));
     }
     let update = if *metered { stage::update_nodes::<true> } else { stage::update_nodes::<false> };
@@ -136,16 +136,14 @@ pub fn over_particles<E: Executor>(
     let mut items = recycle(std::mem::take(&mut memory.particles));
     let (layers, began) = (which.layers(), watch.trace.now());
     let slab = which.slab(data.first_layer);
-    for (homes, patch) in mine(data.particles, data.decomposition, data.partition) {
+    for homes in mine(data.particles, data.partition) {
         // stages of a phase come in the order of their materials
         let mut homes = homes.iter_mut().enumerate();
         for stage in phase.stages.iter().filter(|stage| acts(stage, context.schedule)) {
             let mine = |(material, _): &(usize, _)| stage.material == Some(*material);
             let Some((_, home)) = homes.find(mine) else { continue };
-            let blocks = home.slab_mut(patch.blocks.lower[0], &layers).iter_mut();
-            items.extend(
-                blocks.filter(|block| which.has(|| block.rim)).map(|block| (stage, block, Next::default())),
-            );
+            let blocks = home.slab_mut(&layers).iter_mut().filter(|block| which.has(|| block.rim));
+            items.extend(blocks.map(|block| (stage, block, Next::default())));
         }
     }
     let mut next = Next::default();
@@ -164,12 +162,9 @@ pub fn over_particles<E: Executor>(
 }
 
 /// What each patch of this rank has of something that all patches have.
-fn mine<'a, T>(
-    of_patches: &'a mut [T],
-    decomposition: &'a Decomposition,
-    partition: &'a Partition,
-) -> impl Iterator<Item = (&'a mut T, &'a Patch)> {
-    of_patches.iter_mut().zip(&decomposition.patches).filter(|(_, patch)| partition.is_mine(patch.id))
+fn mine<'a, T>(of_patches: &'a mut [T], partition: &'a Partition) -> impl Iterator<Item = &'a mut T> {
+    let all = of_patches.iter_mut().enumerate();
+    all.filter(|(patch, _)| partition.is_mine(*patch)).map(|(_, of)| of)
 }
 
 /// The blocks of a rank, and what is known about their labels.
@@ -178,11 +173,9 @@ pub struct Blocks<'a> {
     pub materials: &'a [MaterialData],
     /// Labels of nodes.
     pub node_layout: &'a NodeLayout,
-    /// The patches.
-    pub decomposition: &'a Decomposition,
     /// The level's first layer of blocks along x.
     pub first_layer: i32,
-    /// Their ranks.
+    /// The ranks of patches.
     pub partition: &'a Partition,
     /// Particles: `[patch][material]`.
     pub particles: &'a mut [Vec<ParticlePatch>],
@@ -193,10 +186,9 @@ pub struct Blocks<'a> {
 impl<'a> Blocks<'a> {
     /// The blocks of a warehouse.
     pub fn of(warehouse: &'a mut Warehouse) -> Self {
-        let Warehouse { level, decomposition, partition, materials, node_layout, particles, nodes, .. } =
-            warehouse;
+        let Warehouse { level, partition, materials, node_layout, particles, nodes, .. } = warehouse;
         let first_layer = level.blocks().lower[0];
-        Self { materials, node_layout, decomposition, first_layer, partition, particles, nodes }
+        Self { materials, node_layout, first_layer, partition, particles, nodes }
     }
 }
 

@@ -44,7 +44,6 @@ pub fn order(simulation: &mut Simulation) -> Order {
     let mut trial = Trial {
         context,
         stages: graph.phases.iter().flat_map(|p| &p.stages).filter(|s| s.when == When::Begin).collect(),
-        first: blocks.decomposition.patches.iter().map(|patch| patch.blocks.lower[0]).collect(),
         sums: blocks.nodes.iter().map(of_patch).collect(),
         nodes: blocks.nodes,
         scratch,
@@ -71,8 +70,6 @@ struct Trial<'a> {
     /// Those that feed the nodes.
     stages: Vec<&'a Stage>,
     nodes: &'a [NodePatch],
-    /// First layer of each patch.
-    first: Vec<i32>,
     sums: Vec<Vec<Sums>>,
     scratch: Scratch,
 }
@@ -111,12 +108,12 @@ impl Trial<'_> {
         slab: &Range<i32>,
         mut work: impl FnMut(&mut Self, &Stage, &mut ParticleBlock),
     ) {
-        for (patch, homes) in particles.iter_mut().enumerate() {
+        for homes in particles.iter_mut() {
             for (material, home) in homes.iter_mut().enumerate() {
                 let Some(&stage) = self.stages.iter().find(|s| s.material == Some(material)) else {
                     continue;
                 };
-                for block in home.slab_mut(self.first[patch], slab) {
+                for block in home.slab_mut(slab) {
                     work(self, stage, block);
                 }
             }
@@ -133,7 +130,7 @@ impl Trial<'_> {
 
     fn sum(&mut self, particles: &[Vec<ParticlePatch>], slab: &Range<i32>) {
         for (patch, nodes) in self.nodes.iter().enumerate() {
-            for at in nodes.slab(self.first[patch], slab) {
+            for at in nodes.slab(slab) {
                 let block = &nodes.blocks[at];
                 let pairs = block.present.iter().zip(&block.around).enumerate();
                 for (slot, (&id, around)) in pairs {

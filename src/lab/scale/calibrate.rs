@@ -121,7 +121,7 @@ pub fn pack(tallies: &[Option<Tally>]) -> Option<f64> {
 /// A scene that cannot be cut.
 pub fn contention(several: &Tally, setup: &Setup<'_>, footprint: &Footprint) -> Result<f64, String> {
     let tasks: f64 = several.ranks.iter().map(|rank| rank.tasks[1]).sum();
-    let alone = footprint.ranks(&footprint.usual(1)?, 1, setup)?;
+    let alone = footprint.ranks(&footprint.usual(1, 1), 1, setup)?;
     let alone: f64 = (0..alone.count()).map(|rank| predict::work(&alone, setup, rank)).sum();
     Ok((tasks / several.steps.max(1) as f64 / alone.max(1.0)).max(1.0))
 }

@@ -70,24 +70,19 @@ impl Footprint {
         self.nodes().iter().map(|block| block.present.len() as f64).sum()
     }
 
-    /// The finest patches: one block each.
-    ///
-    /// # Errors
-    /// A level that holds no patch.
-    pub fn finest(&self) -> Result<Decomposition, String> {
-        Decomposition::new(&self.warehouse.level, self.warehouse.level.block_columns())
+    /// The finest patches, one block each, unless the level has more blocks than patches can be numbered.
+    pub fn finest(&self) -> Option<Decomposition> {
+        Decomposition::new(&self.warehouse.level, self.warehouse.level.block_columns()).ok()
     }
 
-    /// Patches as a run on so many workers cuts them.
-    ///
-    /// # Errors
-    /// A level that holds no patch.
-    pub fn usual(&self, workers: usize) -> Result<Decomposition, String> {
-        let wanted = 8 * workers;
-        Decomposition::new(
-            &self.warehouse.level,
-            Decomposition::automatic(&self.warehouse.level, wanted, &self.census),
-        )
+    /// Patches as a run on so many ranks with so many threads each cuts them.
+    pub fn usual(&self, ranks: usize, threads: usize) -> Decomposition {
+        Decomposition::automatic(&self.warehouse.level, 8 * ranks * threads, ranks, &self.census)
+    }
+
+    /// Blocks that hold particles.
+    pub fn occupied_blocks(&self) -> usize {
+        self.census.len()
     }
 
     /// Patches that hold particles.

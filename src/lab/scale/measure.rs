@@ -116,7 +116,7 @@ impl Open {
         let mut scene = read(&self.overrides)?;
         self.row.cell_m = scene.domain.cell;
         scene.run.patches = Some(self.case.patches);
-        self.row.grid = layout::decompose(&scene, 1)?.0.counts;
+        self.row.grid = layout::decompose(&scene, 1, self.case.ranks)?.0.counts;
         self.row.patches = self.row.grid.iter().product();
         Ok(())
     }

@@ -64,13 +64,13 @@ fn limit(outcome: &Outcome) -> &'static str {
 /// # Errors
 /// A scene that cannot be cut.
 pub fn strong(footprint: &Footprint, setup: &Setup<'_>, most: usize) -> Result<Vec<Point>, String> {
-    let finest = footprint.finest()?;
-    let possible = footprint.occupied(&finest).min(most);
+    let finest = footprint.finest();
+    let possible = finest.as_ref().map_or(footprint.occupied_blocks(), |it| footprint.occupied(it)).min(most);
     let mut points: Vec<Point> = Vec::new();
     let mut ranks = 1;
     while ranks <= possible {
         let mut best: Option<(Outcome, usize)> = None;
-        for patches in [&footprint.usual(ranks * setup.threads)?, &finest] {
+        for patches in std::iter::once(&footprint.usual(ranks, setup.threads)).chain(&finest) {
             if patches.patches.len() < ranks {
                 continue;
             }

@@ -169,4 +169,33 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn what_a_solid_says_of_a_box_it_says_of_every_point_in_it() {
+        let mut seed = 11;
+        let mut told = [0; 2];
+        for (solid, _) in solids() {
+            let mut here = [0; 2];
+            for _ in 0..20_000 {
+                let middle = [0; 3].map(|_| random(&mut seed));
+                let size = 0.3 * random(&mut seed).abs();
+                let half = [0; 3].map(|_| size * random(&mut seed).abs());
+                let corner = |sign: f64| std::array::from_fn(|a| middle[a] + sign * half[a]);
+                let (lower, upper): ([f64; 3], [f64; 3]) = (corner(-1.0), corner(1.0));
+                let Some(inside) = solid.holds((lower, upper)) else { continue };
+                here[usize::from(inside)] += 1;
+                let corners = (0..8)
+                    .map(|c| std::array::from_fn(|a| if c >> a & 1 == 0 { lower[a] } else { upper[a] }));
+                let within =
+                    (0..20).map(|_| std::array::from_fn(|a| middle[a] + half[a] * random(&mut seed)));
+                for x in corners.chain(within.collect::<Vec<[f64; 3]>>()) {
+                    assert_eq!(solid.contains(x), inside, "{solid:?} {lower:?} {upper:?} {x:?}");
+                }
+            }
+            assert!(here.iter().all(|&n| n > 20), "{solid:?} {here:?}");
+            (0..2).for_each(|n| told[n] += here[n]);
+        }
+        // most boxes lie on one side
+        assert!(told[0] + told[1] > 11 * 10_000, "{told:?}");
+    }
 }

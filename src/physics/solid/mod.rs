@@ -1,4 +1,5 @@
 //! Solids: whether a point lies inside, how far it is from the surface, and a box around them. All lengths in meters.
+mod boxes;
 mod distance;
 pub mod mesh;
 

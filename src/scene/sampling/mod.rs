@@ -1,4 +1,10 @@
 //! Particles of a body: the points of a regular lattice, aligned with the cells, that lie in its solid.
+mod filling;
+mod numbering;
+
+pub use filling::{Filling, Span, common, points_of, size};
+pub use numbering::{Numbering, Pencils};
+
 use crate::geometry::{Bounds, Solid, cross, dot, overlap};
 use crate::{Body, Domain, FiberField, Scene};
 use physics::faces::FaceCondition;
@@ -10,26 +16,10 @@ pub fn sample(scene: &Scene, body: &Body) -> impl Iterator<Item = [f64; 3]> {
     points(&scene.domain, body.particles_per_cell, &body.solid, inside(&scene.domain))
 }
 
-/// All particles of a scene, each with the index of its body [m], in the order that gives them their identities: 0, 1, 2, …
-pub fn all(scene: &Scene) -> impl Iterator<Item = (usize, [f64; 3])> {
-    let filled =
-        scene.bodies.iter().enumerate().filter(|(_, body)| scene.materials[body.material].has_particles());
-    filled.flat_map(|(index, body)| sample(scene, body).map(move |x| (index, x)))
-}
-
-/// The center of mass of the body's particles [m].
-pub fn middle(scene: &Scene, body: &Body) -> [f64; 3] {
-    let (mut sum, mut count) = ([0.0; 3], 0.0);
-    for x in sample(scene, body) {
-        (0..3).for_each(|a| sum[a] += x[a]);
-        count += 1.0;
-    }
-    sum.map(|sum: f64| if count > 0.0 { sum / count } else { 0.0 })
-}
-
 /// How many particles [`sample`] gives.
 pub fn count(scene: &Scene, body: &Body) -> usize {
-    sample(scene, body).count()
+    let filling = Filling::of(scene, body);
+    filling.count(filling.span()) as usize
 }
 
 /// Volume of one particle of the body [m³].
