@@ -87,6 +87,16 @@ pub fn around() -> impl Iterator<Item = [i32; 3]> {
 }
 
 /// The `q`-th of the offsets [`around`] a block.
-pub fn offset(q: usize) -> [i32; 3] {
-    [q / 9, q / 3 % 3, q % 3].map(|i| i as i32 - 1)
+#[inline]
+pub const fn offset(q: usize) -> [i32; 3] {
+    OFFSETS[q]
 }
+
+const OFFSETS: [[i32; 3]; 27] = {
+    let (mut offsets, mut q) = ([[0; 3]; 27], 0);
+    while q < 27 {
+        offsets[q] = [q as i32 / 9 - 1, q as i32 / 3 % 3 - 1, q as i32 % 3 - 1];
+        q += 1;
+    }
+    offsets
+};
