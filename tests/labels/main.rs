@@ -7,6 +7,7 @@ mod conducted;
 mod crowd;
 mod layouts;
 mod many;
+mod moving;
 mod reference;
 mod refusals;
 mod run;
