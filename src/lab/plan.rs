@@ -77,6 +77,6 @@ pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
             let _ = warehouse.insert(body.material, x, &[]);
         }
     }
-    warehouse.activate();
+    warehouse.activate(&engine::data::spread::Alone);
     warehouse
 }

@@ -5,6 +5,7 @@ use super::map::Map;
 use super::nearby::Nearby;
 use super::nodes::{NOWHERE, NodeBlock, Place, Present};
 use super::particles::ParticleBlock;
+use super::spread::{Spread, each_of, many};
 use super::warehouse::{NodePatch, ParticlePatch, Warehouse};
 use grid::{BlockIndex, IndexBox};
 use std::collections::HashMap;
@@ -15,17 +16,19 @@ pub const FARTHEST: i32 = 3;
 
 impl Warehouse {
     /// Rebuilds what follows from the set of occupied blocks. [`Warehouse::set_beyond`] comes before it.
-    pub fn activate(&mut self) {
-        for patch in self.partition.mine() {
-            self.particles[patch].iter_mut().for_each(ParticlePatch::settle);
-        }
-        self.activate_nodes();
+    pub fn activate(&mut self, spread: &dyn Spread) {
+        let homes = self.particles.iter_mut().enumerate();
+        let mine = homes.filter(|(patch, _)| self.partition.is_mine(*patch)).flat_map(|(_, homes)| homes);
+        each_of(spread, &mut mine.collect::<Vec<_>>(), 1, |home| home.settle());
+        self.activate_nodes(spread);
         let indices = |m: usize| {
             let homes = self.particles.iter().map(move |patch| &patch[m].blocks);
             homes.map(|blocks| blocks.iter().map(|block| block.index))
         };
-        let homes: Vec<_> = (0..self.materials.len()).map(|m| Map::of_places(indices(m))).collect();
-        self.link(&homes);
+        let mut homes: Vec<_> = (0..self.materials.len()).map(|m| (m, None)).collect();
+        each_of(spread, &mut homes, 1, |(m, home)| *home = Some(Map::of_places(indices(*m))));
+        let homes: Vec<_> = homes.into_iter().filter_map(|(_, home)| home).collect();
+        self.link(&homes, spread);
         self.mark_meeting(&homes);
         self.mark_near();
         self.mark_rim();
@@ -77,7 +80,7 @@ impl Warehouse {
 
     /// Node blocks: wherever a material's occupied block, or a neighbor of one, lies. Of other ranks, those that particles
     /// here read, with all their fields: which labels are there depends on how many there are.
-    fn activate_nodes(&mut self) {
+    fn activate_nodes(&mut self, spread: &dyn Spread) {
         let Self { decomposition, partition, fields, node_layout, particles, nodes, .. } = self;
         let map = || Map::new(FieldSet::words(fields.len()), 0u64);
         let (mut touched, of) = (map(), |material: usize| fields.of(material));
@@ -99,30 +102,33 @@ impl Warehouse {
                 lists[patch].push((index, words));
             }
         }
-        for (patch, mut list) in lists.into_iter().enumerate() {
+        let mut patches: Vec<_> = nodes.iter_mut().zip(lists).enumerate().collect();
+        each_of(spread, &mut patches, 1, |(patch, (nodes, list))| {
             list.sort_unstable_by_key(|(index, _)| *index);
-            renew(&mut nodes[patch], &list, node_layout);
-            if partition.is_mine(patch) {
-                nodes[patch].settle();
+            renew(nodes, list, node_layout);
+            if partition.is_mine(*patch) {
+                nodes.settle();
             }
-        }
+        });
     }
 
     /// Neighbor tables between particle and node blocks.
-    fn link(&mut self, homes: &[Map<Place>]) {
-        let indices = self.nodes.iter().map(|patch| patch.blocks.iter().map(|block| block.index));
-        let map = Map::of_places(indices);
-        for patch in self.partition.mine() {
-            for block in &mut self.nodes[patch].blocks {
-                for (around, &field) in block.around.iter_mut().zip(&block.present) {
-                    *around = homes[self.fields.material(field)].around(block.index);
-                }
+    fn link(&mut self, homes: &[Map<Place>], spread: &dyn Spread) {
+        let Self { partition, fields, particles, nodes, .. } = self;
+        let map = Map::of_places(nodes.iter().map(|patch| patch.blocks.iter().map(|block| block.index)));
+        let mine = nodes.iter_mut().enumerate().filter(|(patch, _)| partition.is_mine(*patch));
+        let mut blocks: Vec<&mut NodeBlock> = mine.flat_map(|(_, patch)| &mut patch.blocks).collect();
+        many(spread, &mut blocks, |block| {
+            for (around, &field) in block.around.iter_mut().zip(&block.present) {
+                *around = homes[fields.material(field)].around(block.index);
             }
-        }
-        for block in self.particles.iter_mut().flatten().flat_map(|home| &mut home.blocks) {
+        });
+        let mut blocks: Vec<&mut ParticleBlock> =
+            particles.iter_mut().flatten().flat_map(|home| &mut home.blocks).collect();
+        many(spread, &mut blocks, |block| {
             block.meets = false;
             block.around = map.around(block.index);
-        }
+        });
     }
 
     /// Marks the node blocks that wait for what other ranks give, and the particle blocks that give to those, or to nodes

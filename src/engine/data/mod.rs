@@ -13,6 +13,7 @@ pub mod rates;
 pub mod reduction;
 pub mod schedule;
 pub mod shared;
+pub mod spread;
 pub mod view;
 pub mod warehouse;
 pub mod workspace;

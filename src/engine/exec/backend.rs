@@ -3,6 +3,7 @@ use super::Executor;
 use super::moves::{Departure, Move};
 use super::ranks::halos::{Incoming, Outgoing};
 use super::work::{self, Blocks, Call, Which};
+use crate::data::spread::Spread;
 use crate::data::warehouse::Warehouse;
 use crate::graph::exchange::Exchange;
 use crate::graph::phase::Phase;
@@ -40,6 +41,11 @@ pub trait Backend: Send + Sync {
     /// Moves particles out of blocks and into them: work of the host.
     fn carry(&self, moves: &mut [Move<'_>]) {
         moves.iter_mut().for_each(Move::carry_out);
+    }
+
+    /// Runs `work` for all numbers below `count`, each once and in any order: work of the host.
+    fn spread(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        (0..count).for_each(work);
     }
 
     /// The host is about to read labels of blocks, and perhaps to write them.
@@ -92,5 +98,19 @@ impl<E: Executor> Backend for E {
 
     fn carry(&self, moves: &mut [Move<'_>]) {
         self.each(moves, |_, it| it.carry_out());
+    }
+
+    fn spread(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        let mut numbers: Vec<usize> = (0..count).collect();
+        self.each(&mut numbers, |_, &mut number| work(number));
+    }
+}
+
+/// A backend as who does the host's work.
+pub struct Host<'a>(pub &'a dyn Backend);
+
+impl Spread for Host<'_> {
+    fn each(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        self.0.spread(count, work);
     }
 }

@@ -28,7 +28,7 @@ pub fn order(simulation: &mut Simulation) -> Order {
     let (count, isa) = (simulation.warehouse.particle_count() as f64, simulation.isa());
     let (graph, warehouse) = (simulation.program.main_graph(), &mut simulation.warehouse);
     if warehouse.reactivate {
-        warehouse.activate();
+        warehouse.activate(&engine::data::spread::Alone);
     }
     let (slabs, materials) = (wave::slabs(warehouse, 1), warehouse.materials.len());
     let (schedule, buffers) = (Schedule::everyone(materials), Buffers::default());
