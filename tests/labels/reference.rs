@@ -307,9 +307,15 @@ impl Reference {
                 let first = f64::from(4 * block[a] - 1);
                 cells[a] > 0 && !(x >= first + MARGIN && x < first + 6.0 - MARGIN)
             };
-            let (gone, stay): (Vec<_>, Vec<_>) =
-                particles.into_iter().partition(|p| (0..3).any(|a| out(a, p.x[a])));
-            arriving.extend(gone.into_iter().map(|p| (material, p)));
+            let leaves = |p: &Particle| (0..3).any(|a| out(a, p.x[a]));
+            arriving.extend(particles.iter().filter(|p| leaves(p)).map(|p| (material, p.clone())));
+            // the last ones take the places of those that leave
+            let mut stay: Vec<Particle> = particles;
+            let kept = stay.iter().filter(|p| !leaves(p)).count();
+            let mut last = stay.split_off(kept).into_iter().filter(|p| !leaves(p));
+            for p in stay.iter_mut().filter(|p| leaves(p)) {
+                *p = last.next().expect("as many as have left before them");
+            }
             self.blocks.insert((material, block), stay);
         }
         for (material, p) in arriving {

@@ -80,7 +80,7 @@ impl ParticlePatch {
         new
     }
 
-    /// Position of a block, which is made if it is not there; whether it is new.
+    /// Where a block is, which is made if it is not there; whether it is new.
     fn position(&mut self, index: BlockIndex, nodes: &NodeLayout) -> (usize, bool) {
         let Self { blocks, lookup, .. } = self;
         let before = blocks.len();
