@@ -22,7 +22,7 @@ steps = 20
 [output]
 frames = 1
 [output.checkpoint]
-at-end = true
+final = true
 "#;
 
 /// Most memory that a run of it may ever have had [B].
