@@ -61,7 +61,7 @@ fn page_of(index: BlockIndex) -> [i32; 3] {
     index.map(|i| i.div_euclid(SIDE))
 }
 
-/// Where in its page a block is.
+/// Where a block is in its page.
 fn within(index: BlockIndex) -> usize {
     (0..3).map(|a| index[a].rem_euclid(SIDE) as usize * STRIDES[a]).sum()
 }
