@@ -217,7 +217,10 @@ fn a_full_disk_for_a_frame_ends_the_run_and_frames_before_stay() {
     let folder = folder();
     let [out, whole] = ["run", "whole"].map(|name| folder.path().join(name));
     assert!(run(&out, "5", &[]).status.success());
-    let frames = |out: &Path| ok(sinew::output::vtkhdf::Reader::open(&out.join("particles.vtkhdf"))).frames();
+    let frames = |out: &Path| {
+        let reader = ok(sinew::output::vtkhdf::Reader::open(&out.join("particles.vtkhdf")));
+        (0..reader.frames()).map(|k| ok(reader.frame(k))).collect::<Vec<_>>()
+    };
     let before = frames(&out);
     // room for rows of the history, and less than a frame asks for first
     let script = "ulimit -f 100; exec \"$0\" run --restart \"$1\" --steps 9 -q";
@@ -228,7 +231,7 @@ fn a_full_disk_for_a_frame_ends_the_run_and_frames_before_stay() {
     let facts = ["cannot write", "/particles/0000", ".h5.part", "free some space"];
     assert!(facts.iter().all(|fact| said.contains(fact)), "{said}");
     assert!(ok(std::fs::read_to_string(out.join("summary.json"))).contains("failed"));
-    assert_eq!(frames(&out), before - 1, "but for the one of the end before");
+    assert!(before.len() > 2 && frames(&out) == before);
     let left = ok(std::fs::read_dir(out.join("particles"))).map(|entry| ok(entry).file_name());
     assert!(left.into_iter().all(|name| !name.to_string_lossy().ends_with(".part")), "nothing half is left");
     let output = sinew(&["run", "--restart", text(&out), "--steps", "9", "-q"]);
