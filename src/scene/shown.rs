@@ -45,13 +45,19 @@ pub enum Source {
 impl Source {
     /// The numbers of eight particles, from the first on; what is not there is not a number.
     pub fn of(self, tile: &Tile) -> Numbers {
-        let mut value = NONE;
+        let mut numbers = NONE;
+        self.put(tile, &mut numbers);
+        numbers
+    }
+
+    /// The same in place of others; what it has no numbers for stays.
+    #[inline]
+    pub fn put(self, tile: &Tile, numbers: &mut Numbers) {
         match self {
-            Source::Nowhere => {}
-            Source::Value(of) => of(tile, &mut value),
-            Source::History(number) => value[0] = tile.history[number],
+            Source::Nowhere => *numbers = NONE,
+            Source::Value(of) => of(tile, numbers),
+            Source::History(number) => numbers[0] = tile.history[number],
         }
-        value
     }
 }
 

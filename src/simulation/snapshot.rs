@@ -5,7 +5,7 @@ use engine::data::layout::ParticleLayout;
 use engine::data::particles::ParticleBlock;
 use engine::data::warehouse::Warehouse;
 use engine::schema::{Label, LabelId};
-use physics::quantities::{Shown, Tile};
+use physics::quantities::{NONE, Shown, Tile};
 use scene::Scene;
 use scene::shown::Source;
 use simd::{LANES, Wide};
@@ -70,30 +70,50 @@ impl<'a> Snapshot<'a> {
         let state = State::new(self.scene, self.warehouse, material, block);
         // a scene has no more materials than fit
         piece.materials.resize(piece.materials.len() + rows.len(), material as u16);
+        let mut numbers = NONE;
         for number in rows.start / LANES..rows.end.div_ceil(LANES) {
             let first = number * LANES;
             let lanes = rows.start.max(first) - first..rows.end.min(first + LANES) - first;
             let tile = state.tile(number);
             piece.identities.extend(&state.identities(number)[lanes.clone()]);
-            piece.positions.extend(&rows_of(tile.position, 3).as_chunks().0[lanes.clone()]);
+            piece.positions.extend_from_slice(&rows_of(tile.position)[lanes.clone()]);
             for (column, &(source, width)) in piece.columns.iter_mut().zip(&self.sources[material]) {
-                let numbers = rows_of(&source.of(&tile), width);
-                column.extend_from_slice(&numbers[lanes.start * width..lanes.end * width]);
+                source.put(&tile, &mut numbers);
+                let append = match width {
+                    1 => append::<1>,
+                    3 => append::<3>,
+                    6 => append::<6>,
+                    9 => append::<9>,
+                    _ => append_some,
+                };
+                append(column, &numbers[..width], lanes.clone());
             }
         }
     }
 }
 
-/// The first `width` numbers of eight particles, particle by particle.
+/// The numbers of eight particles, particle by particle.
 #[inline(always)]
-fn rows_of(numbers: &[Wide], width: usize) -> [f32; 9 * LANES] {
-    let mut rows = [0.0; 9 * LANES];
-    for (component, line) in numbers[..width].iter().enumerate() {
-        for (row, x) in rows.chunks_exact_mut(width).zip(line.0) {
+fn rows_of<const N: usize>(numbers: &[Wide; N]) -> [[f32; N]; LANES] {
+    let mut rows = [[0.0; N]; LANES];
+    for (component, line) in numbers.iter().enumerate() {
+        for (row, x) in rows.iter_mut().zip(line.0) {
             row[component] = x as f32;
         }
     }
     rows
+}
+
+/// Appends those of some lanes to a column.
+fn append<const N: usize>(column: &mut Vec<f32>, numbers: &[Wide], lanes: Range<usize>) {
+    if let Some(numbers) = numbers.first_chunk::<N>() {
+        column.extend_from_slice(rows_of(numbers)[lanes].as_flattened());
+    }
+}
+
+/// The same of any number of numbers.
+fn append_some(column: &mut Vec<f32>, numbers: &[Wide], lanes: Range<usize>) {
+    lanes.for_each(|lane| column.extend(numbers.iter().map(|line| line.0[lane] as f32)));
 }
 
 fn field(shown: &Shown) -> Field {

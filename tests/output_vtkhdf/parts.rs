@@ -65,7 +65,8 @@ fn a_part_that_is_damaged_missing_or_another_run_s_is_told_by_name() {
     [&path, &other].iter().for_each(|path| std::fs::create_dir(path.parent().unwrap()).unwrap());
     let mut theirs = Writer::create(&other, RunId::new()).unwrap();
     theirs.append_as(ROWS[0], Vec::new(), &snapshot(0, 13)).unwrap();
-    let harms: [(&dyn Fn(&Path), &str, bool); 4] = [
+    type Harm<'a> = (&'a dyn Fn(&Path), &'a str, bool);
+    let harms: [Harm; 4] = [
         (
             &|file| {
                 let mut bytes = std::fs::read(file).unwrap();
