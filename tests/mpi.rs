@@ -7,6 +7,7 @@ use common::Random;
 use common::command::{kills, ok, text, words};
 use sinew::output::checkpoint;
 use sinew::output::summary::Summary;
+use sinew::output::vtkhdf::Reader;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -174,7 +175,8 @@ fn other_ranks_need_not_see_the_files() {
     let [scene, out] = ["scene", "run"].map(|name| folder.path().join(name));
     ok(std::fs::create_dir(&scene));
     ok(std::fs::copy("problems/two-spheres/scene.toml", scene.join("scene.toml")));
-    let run = ["run", text(&scene), "-q", "--steps", "5", "--set", "domain.cell=4 mm", "--out", text(&out)];
+    let begin = ["run", text(&scene), "--steps", "5", "--set", "domain.cell=4 mm"];
+    let run = [&begin[..], &["-q", "--out", text(&out)]].concat();
     let mut command = launcher(1);
     // a root of its own, in which the folder is not there
     let hidden = format!("mount -t tmpfs none {} && exec \"$@\"", text(folder.path()));
@@ -183,10 +185,29 @@ fn other_ranks_need_not_see_the_files() {
     if !can {
         return eprintln!("skipped: this user may not make a mount namespace");
     }
-    command.arg(sinew).args(run).args([":", "-n", "1", "unshare", "-m", "sh", "-c", &hidden, "sh"]);
+    command.arg(sinew).args(&run).args([":", "-n", "1", "unshare", "-m", "sh", "-c", &hidden, "sh"]);
     let output = ok(command.arg(sinew).args(run).output());
     assert!(output.status.success(), "{}", words(&output));
-    assert_eq!(ok(Summary::read(&out.join("summary.json"))).steps, 5);
+    let summary = ok(Summary::read(&out.join("summary.json")));
+    assert_eq!(summary.steps, 5);
+    // rank 0 has written the rows of both
+    let frames = ok(Reader::open(&out.join("particles.vtkhdf")));
+    assert_eq!([0, 1].map(|k| ok(frames.frame(k)).identities.len() as u64), [summary.particles; 2]);
+    let mut names: Vec<_> =
+        ok(std::fs::read_dir(out.join("particles"))).map(|it| ok(it).file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["000000.h5", "000001.h5", "cells.h5"]);
+    let alone = folder.path().join("alone");
+    self::run(1, &begin, &alone);
+    same(&alone, &out);
+}
+
+/// Bit for bit, by particle.
+#[track_caller]
+fn same(one: &Path, other: &Path) {
+    let mut compare = Command::new(assert_cmd::cargo::cargo_bin!("sinew"));
+    let output = ok(compare.args(["compare", text(one), text(other)]).output());
+    assert!(output.status.success(), "{}", words(&output));
 }
 
 /// Stands before MPI and takes back what it grants to threads.
@@ -236,7 +257,7 @@ fn start(parts: &Path) -> Child {
             "--set",
             "output.checkpoint.steps=1",
             "--set",
-            "output.frames=0",
+            "output.frames=200",
         ],
     };
     // each time on another number of ranks
@@ -286,9 +307,9 @@ fn a_killed_rank_ends_the_run_and_a_restart_goes_on() {
     let least = kills(12);
     let mut random = Random(std::process::id().into());
     let folder = ok(tempfile::tempdir());
-    let steps = ["run", "problems/two-spheres", "--steps", "60", "--set", "output.frames=0"];
-    let began = Instant::now();
-    let whole = result(run(2, &steps, &folder.path().join("whole")));
+    let steps = ["run", "problems/two-spheres", "--steps", "60", "--set", "output.frames=200"];
+    let (began, unharmed) = (Instant::now(), folder.path().join("whole"));
+    let whole = result(run(2, &steps, &unharmed));
     let took = began.elapsed();
     let (mut kills, mut rounds) = (0, 0);
     while kills < least {
@@ -319,6 +340,7 @@ fn a_killed_rank_ends_the_run_and_a_restart_goes_on() {
             kills += 1;
         }
         assert_eq!(result(ok(Summary::read(&parts.join("summary.json")))), whole, "round {rounds}");
+        same(&unharmed, &parts);
     }
     println!("killed {kills} times in {rounds} runs");
 }

@@ -125,7 +125,7 @@ class Frames(Sequence):
 
     def __init__(self, path):
         self._path = path
-        self.times, self._steps, self._counts, self._numbers = np.array([]), [], [], []
+        self.times, self._steps, self._counts, self._numbers, self._parts = np.array([]), [], [], [], []
         self.materials, self.fields = [], {}
         if not path.is_file():
             return
@@ -136,6 +136,8 @@ class Frames(Sequence):
             self.times = steps["Values"][:]
             self._steps, self._counts = steps["StepsTaken"][:], root["NumberOfPoints"][:]
             self._numbers = steps["FileNumber"][:]
+            # one file each, where it is not said
+            self._parts = steps["FileParts"][:] if "FileParts" in steps else np.ones(len(self.times), int)
             for name, column in root["PointData"].items():
                 about = column.attrs
                 if name == "material":
@@ -158,16 +160,24 @@ class Frames(Sequence):
         return Frame(self, k % len(self))
 
     def _column(self, k, name):
-        # the file of the frame: where it is missing or damaged the index would show other numbers
-        path = self._path.with_name("particles") / f"{self._numbers[k]:06}.h5"
-        try:
-            with h5py.File(path, "r", locking=False) as file:
-                column = file[name][:]
-        except (OSError, KeyError) as error:
-            raise OSError(f"frame {k} cannot be read: {path}: {error}") from error
+        # the files of the frame: where one is missing or damaged the index would show other numbers
+        paths = [self._path.with_name("particles") / file for file in _files(self._numbers[k], self._parts[k])]
+        parts = []
+        for path in paths:
+            try:
+                with h5py.File(path, "r", locking=False) as file:
+                    parts.append(file[name][:])
+            except (OSError, KeyError) as error:
+                raise OSError(f"frame {k} cannot be read: {path}: {error}") from error
+        column = parts[0] if len(parts) == 1 else np.concatenate(parts)
         if len(column) != self._counts[k]:
-            raise OSError(f"frame {k} cannot be read: {path} has {len(column)} particles and not {self._counts[k]}")
+            raise OSError(f"frame {k} cannot be read: {paths[0]} and its other parts have {len(column)} particles and not {self._counts[k]}")
         return column
+
+
+def _files(number, parts):
+    """Names of the files of a frame: one, or one of each rank."""
+    return [f"{number:06}.h5"] if parts == 1 else [f"{number:06}-{part + 1}of{parts}.h5" for part in range(parts)]
 
 
 class Frame(Mapping):

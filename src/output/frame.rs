@@ -69,6 +69,18 @@ pub struct Piece {
     pub columns: Vec<Vec<f32>>,
 }
 
+impl Piece {
+    /// An empty one with room for `rows` particles, and so many numbers of each in its columns.
+    pub fn with_room(rows: usize, columns: impl Iterator<Item = usize>) -> Self {
+        Self {
+            identities: Vec::with_capacity(rows),
+            materials: Vec::with_capacity(rows),
+            positions: Vec::with_capacity(rows),
+            columns: columns.map(|components| Vec::with_capacity(rows * components)).collect(),
+        }
+    }
+}
+
 /// The particles at one time, in memory. All arrays have the same order of particles; the order may differ between frames.
 pub trait Frame {
     /// Simulated time [s].

@@ -1,4 +1,5 @@
 //! Files for people and for other programs.
+pub mod beside;
 pub mod checkpoint;
 pub mod claim;
 pub mod compare;

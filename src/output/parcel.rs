@@ -22,25 +22,39 @@ pub fn collect<P: Parcel>(
     mut take: impl FnMut(P),
 ) -> Result<(), NetworkError> {
     if network.rank() > 0 {
-        each(&mut |parcel: P| {
-            network.send(0, Channel::Output, pack(&parcel.words()));
-            network.settle();
-        });
-        network.send(0, Channel::Output, pack(&[]));
+        hand_over(network, each);
         return Ok(());
     }
     each(&mut take);
-    for rank in 1..network.size() {
-        loop {
-            let message = network.receive(rank, Channel::Output)?;
-            let words = unpack(&message);
-            if words.is_empty() {
-                break;
-            }
-            take(P::from_words(words));
+    (1..network.size()).try_for_each(|rank| receive(network, rank, &mut take))
+}
+
+/// Sends parcels to rank 0, which [`receive`]s them.
+pub fn hand_over<P: Parcel>(network: &mut dyn Network, each: impl FnOnce(&mut dyn FnMut(P))) {
+    each(&mut |parcel: P| {
+        network.send(0, Channel::Output, pack(&parcel.words()));
+        network.settle();
+    });
+    network.send(0, Channel::Output, pack(&[]));
+}
+
+/// Gives the parcels of a rank to `take`, one by one.
+///
+/// # Errors
+/// If that rank is gone.
+pub fn receive<P: Parcel>(
+    network: &mut dyn Network,
+    rank: usize,
+    mut take: impl FnMut(P),
+) -> Result<(), NetworkError> {
+    loop {
+        let message = network.receive(rank, Channel::Output)?;
+        let words = unpack(&message);
+        if words.is_empty() {
+            return Ok(());
         }
+        take(P::from_words(words));
     }
-    Ok(())
 }
 
 impl Parcel for Piece {

@@ -3,28 +3,42 @@
 //! Scenes choose among them (`output.fields`); frames, probes and pages take name, unit and meaning from here. A law adds
 //! its own ([`Law::HISTORY`](super::law::Law::HISTORY), [`Law::SHOWN`](super::law::Law::SHOWN)).
 
-/// The state of a particle. What its material does not have is not a number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Particle<'a> {
+use simd::{LANES, Simd, Wide};
+
+/// Eight numbers, one of each particle of a tile. Their arithmetic is that of single numbers, whatever the instruction set.
+pub type Eight = simd::Array;
+
+/// The state of eight particles, a lane each. What their material does not have is not a number.
+#[derive(Clone, Copy, Debug)]
+pub struct Tile<'a> {
     /// Position x [m].
-    pub position: [f64; 3],
-    /// Where it was at the start, X [m].
-    pub start: [f64; 3],
+    pub position: &'a [Wide; 3],
+    /// Where they were at the start, X [m].
+    pub start: &'a [Wide; 3],
     /// Velocity [m/s].
-    pub velocity: [f64; 3],
+    pub velocity: &'a [Wide; 3],
     /// Mass [kg].
-    pub mass: f64,
+    pub mass: &'a Wide,
     /// Volume [m³].
-    pub volume: f64,
+    pub volume: Wide,
     /// J = det F
-    pub j: f64,
+    pub j: Wide,
     /// Deformation gradient F, row by row.
-    pub f: [f64; 9],
+    pub f: &'a [Wide; 9],
     /// Kirchhoff stress τ = J σ [Pa]: xx, xy, xz, yy, yz, zz.
-    pub kirchhoff: [f64; 6],
-    /// What its law keeps.
-    pub history: &'a [f64],
+    pub kirchhoff: &'a [Wide; 6],
+    /// What their law keeps.
+    pub history: &'a [Wide],
 }
+
+/// As many numbers as a quantity has at most, each of eight particles.
+pub type Numbers = [Wide; 9];
+
+/// Of particles that have none.
+pub const NONE: Numbers = [Wide([f64::NAN; LANES]); 9];
+
+/// Puts down what a quantity has of eight particles, from the first number on.
+pub type Value = fn(&Tile, &mut Numbers);
 
 /// Who has a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,8 +78,8 @@ pub struct Quantity {
     pub shown: Shown,
     /// Who has it.
     pub of: Of,
-    /// Its value, from the first number on.
-    pub value: fn(&Particle, &mut [f64; 9]),
+    /// Its value.
+    pub value: Value,
 }
 
 /// A particle that is squeezed to less than this part of its volume has collapsed: it bears nothing any more, and σ = τ / J of so small a J
@@ -75,7 +89,7 @@ pub const COLLAPSED: f64 = 0.1;
 const fn of_all(
     (name, unit): (&'static str, &'static str),
     components: usize,
-    value: fn(&Particle, &mut [f64; 9]),
+    value: Value,
     meaning: &'static str,
 ) -> Quantity {
     let shown = Shown { name, unit, components, meaning, codes: &[], usual: false, from_start: false };
@@ -85,7 +99,7 @@ const fn of_all(
 const fn of_deformable(
     name: (&'static str, &'static str),
     components: usize,
-    value: fn(&Particle, &mut [f64; 9]),
+    value: Value,
     meaning: &'static str,
 ) -> Quantity {
     Quantity { of: Of::Deformable, ..of_all(name, components, value, meaning) }
@@ -93,12 +107,7 @@ const fn of_deformable(
 
 impl Quantity {
     /// One that a law alone has.
-    pub const fn of_law(
-        name: &'static str,
-        components: usize,
-        value: fn(&Particle, &mut [f64; 9]),
-        meaning: &'static str,
-    ) -> Self {
+    pub const fn of_law(name: &'static str, components: usize, value: Value, meaning: &'static str) -> Self {
         Self { of: Of::Law, ..of_all((name, "1"), components, value, meaning) }
     }
 
@@ -112,14 +121,14 @@ impl Quantity {
 }
 
 /// Where a particle is, which frames show in any case.
-pub const POSITION: Quantity = of_all(("position", "m"), 3, |p, out| put(out, &p.position), "position x");
+pub const POSITION: Quantity = of_all(("position", "m"), 3, |p, out| put(out, p.position), "position x");
 
 /// All that does not depend on the law.
 pub const QUANTITIES: &[Quantity] = &[
     of_all(("displacement", "m"), 3, displacement, "x − X: how far it is from where it was at the start")
         .usual()
         .needs_start(),
-    of_all(("velocity", "m/s"), 3, |p, out| put(out, &p.velocity), "velocity v").usual(),
+    of_all(("velocity", "m/s"), 3, |p, out| put(out, p.velocity), "velocity v").usual(),
     of_deformable(
         ("volume_ratio", "1"),
         1,
@@ -129,94 +138,110 @@ pub const QUANTITIES: &[Quantity] = &[
     .usual(),
     of_deformable(("pressure", "Pa"), 1, pressure, "−tr σ / 3, above zero under compression").usual(),
     of_deformable(("von_mises", "Pa"), 1, von_mises, "√(3/2 s : s), s the deviator of σ").usual(),
-    of_deformable(("stress", "Pa"), 6, |p, out| put(out, &vtk_order(&cauchy(p))), "Cauchy stress σ = τ / J"),
+    of_deformable(
+        ("stress", "Pa"),
+        6,
+        |p, out| store(out, &vtk_order(&cauchy(p))),
+        "Cauchy stress σ = τ / J",
+    ),
     of_deformable(
         ("kirchhoff_stress", "Pa"),
         6,
-        |p, out| put(out, &vtk_order(&p.kirchhoff)),
+        |p, out| put(out, &vtk_order(p.kirchhoff)),
         "Kirchhoff stress τ = J σ",
     ),
-    of_deformable(
-        ("deformation_gradient", "1"),
-        9,
-        |p, out| put(out, &p.f),
-        "deformation gradient F = ∂x/∂X",
-    ),
+    of_deformable(("deformation_gradient", "1"), 9, |p, out| put(out, p.f), "deformation gradient F = ∂x/∂X"),
     of_deformable(
         ("strain", "1"),
         6,
-        |p, out| put(out, &vtk_order(&green_lagrange(&p.f))),
+        |p, out| store(out, &vtk_order(&green_lagrange(p.f))),
         "Green-Lagrange strain E = (FᵀF − 1) / 2",
     ),
     of_deformable(
         ("shear_strain", "1"),
         1,
-        |p, out| out[0] = largest_shear(&green_lagrange(&p.f)),
+        |p, out| store(out, &[largest_shear(&green_lagrange(p.f))]),
         "largest shear of E: half the span of its principal values",
     ),
-    of_all(("reference_position", "m"), 3, |p, out| put(out, &p.start), "X: where it was at the start")
+    of_all(("reference_position", "m"), 3, |p, out| put(out, p.start), "X: where it was at the start")
         .needs_start(),
-    of_all(("mass", "kg"), 1, |p, out| out[0] = p.mass, "mass m"),
+    of_all(("mass", "kg"), 1, |p, out| out[0] = *p.mass, "mass m"),
     of_all(("volume", "m^3"), 1, |p, out| out[0] = p.volume, "volume V = J V₀"),
     of_all(
         ("radius", "m"),
         1,
-        |p, out| out[0] = (0.75 / std::f64::consts::PI * p.volume).cbrt(),
+        |p, out| out[0] = Wide(p.volume.0.map(|v| (0.75 / std::f64::consts::PI * v).cbrt())),
         "radius of a ball of its volume",
     ),
 ];
 
-fn put(out: &mut [f64; 9], numbers: &[f64]) {
+fn put(out: &mut Numbers, numbers: &[Wide]) {
     out[..numbers.len()].copy_from_slice(numbers);
 }
 
-fn displacement(p: &Particle, out: &mut [f64; 9]) {
-    (0..3).for_each(|a| out[a] = p.position[a] - p.start[a]);
+#[inline(always)]
+fn store(out: &mut Numbers, numbers: &[Eight]) {
+    simd::store(numbers, &mut out[..numbers.len()]);
 }
 
-fn pressure(p: &Particle, out: &mut [f64; 9]) {
+fn displacement(p: &Tile, out: &mut Numbers) {
+    let [x, start]: [[Eight; 3]; 2] = [simd::load(p.position), simd::load(p.start)];
+    store(out, &[x[0] - start[0], x[1] - start[1], x[2] - start[2]]);
+}
+
+fn pressure(p: &Tile, out: &mut Numbers) {
     let s = cauchy(p);
-    out[0] = -(s[0] + s[3] + s[5]) / 3.0;
+    store(out, &[-(s[0] + s[3] + s[5]) / Eight::splat(3.0)]);
 }
 
-fn von_mises(p: &Particle, out: &mut [f64; 9]) {
-    out[0] = (3.0 * invariants(&cauchy(p))[1]).sqrt();
+fn von_mises(p: &Tile, out: &mut Numbers) {
+    store(out, &[(Eight::splat(3.0) * invariants(&cauchy(p))[1]).sqrt()]);
 }
 
 /// σ = τ / J: xx, xy, xz, yy, yz, zz; not a number where the particle has collapsed.
-fn cauchy(p: &Particle) -> [f64; 6] {
-    let j = if p.j < COLLAPSED { f64::NAN } else { p.j };
-    p.kirchhoff.map(|t| t / j)
+#[inline(always)]
+fn cauchy(p: &Tile) -> [Eight; 6] {
+    let (j, t) = (Eight::load(&p.j), simd::load::<Eight, 6>(p.kirchhoff));
+    let j = Eight::select(j.lt(Eight::splat(COLLAPSED)), Eight::splat(f64::NAN), j);
+    [t[0] / j, t[1] / j, t[2] / j, t[3] / j, t[4] / j, t[5] / j]
 }
 
 /// E = (FᵀF − 1) / 2: xx, xy, xz, yy, yz, zz.
-fn green_lagrange(f: &[f64; 9]) -> [f64; 6] {
+#[inline(always)]
+fn green_lagrange(f: &[Wide; 9]) -> [Eight; 6] {
+    let f: [Eight; 9] = simd::load(f);
     let c = |i: usize, k: usize| f[i] * f[k] + f[3 + i] * f[3 + k] + f[6 + i] * f[6 + k];
-    let e = |i: usize, k: usize| 0.5 * (c(i, k) - f64::from(i == k));
+    let e = |i: usize, k: usize| Eight::splat(0.5) * (c(i, k) - Eight::splat(f64::from(i == k)));
     [e(0, 0), e(0, 1), e(0, 2), e(1, 1), e(1, 2), e(2, 2)]
 }
 
 /// Half the span of the principal values: with the angle θ of Lode, √J₂ cos(θ − π/6), 0 ≤ θ ≤ π/3.
-fn largest_shear(a: &[f64; 6]) -> f64 {
-    let [_, j2, j3] = invariants(a);
-    if j2 <= 0.0 {
-        return 0.0;
-    }
-    let cosine = (1.5 * 3f64.sqrt() * j3 / j2.powf(1.5)).clamp(-1.0, 1.0);
-    j2.sqrt() * (cosine.acos() / 3.0 - std::f64::consts::FRAC_PI_6).cos()
+fn largest_shear(a: &[Eight; 6]) -> Eight {
+    let [_, j2, j3] = invariants(a).map(Simd::lanes);
+    let of = |lane: usize| {
+        let (j2, j3) = (j2[lane], j3[lane]);
+        if j2 <= 0.0 {
+            return 0.0;
+        }
+        let cosine = (1.5 * 3f64.sqrt() * j3 / j2.powf(1.5)).clamp(-1.0, 1.0);
+        j2.sqrt() * (cosine.acos() / 3.0 - std::f64::consts::FRAC_PI_6).cos()
+    };
+    Eight::load(&Wide(std::array::from_fn::<f64, LANES, _>(of)))
 }
 
 /// tr A / 3, and J₂ = ½ s : s and J₃ = det s of the deviator s.
-fn invariants(a: &[f64; 6]) -> [f64; 3] {
-    let mean = (a[0] + a[3] + a[5]) / 3.0;
+#[inline(always)]
+fn invariants(a: &[Eight; 6]) -> [Eight; 3] {
+    let mean = (a[0] + a[3] + a[5]) / Eight::splat(3.0);
     let [x, xy, xz, y, yz, z] = [a[0] - mean, a[1], a[2], a[3] - mean, a[4], a[5] - mean];
-    let j2 = 0.5 * (x * x + y * y + z * z) + xy * xy + xz * xz + yz * yz;
+    let j2 = Eight::splat(0.5) * (x * x + y * y + z * z) + xy * xy + xz * xz + yz * yz;
     let j3 = x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz);
     [mean, j2, j3]
 }
 
 /// Symmetric tensors as VTK has them: xx, yy, zz, xy, yz, xz.
-fn vtk_order([xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> [f64; 6] {
+#[inline(always)]
+fn vtk_order<T: Copy>([xx, xy, xz, yy, yz, zz]: &[T; 6]) -> [T; 6] {
     [*xx, *yy, *zz, *xy, *yz, *xz]
 }
 
@@ -224,16 +249,44 @@ fn vtk_order([xx, xy, xz, yy, yz, zz]: &[f64; 6]) -> [f64; 6] {
 mod tests {
     use super::*;
 
+    /// A particle of which a tile has several.
+    #[derive(Clone, Copy)]
+    struct Particle {
+        position: [f64; 3],
+        start: [f64; 3],
+        velocity: [f64; 3],
+        mass: f64,
+        volume: f64,
+        j: f64,
+        f: [f64; 9],
+        kirchhoff: [f64; 6],
+    }
+
+    /// The numbers of a quantity of a particle that is in every second lane, among particles at rest.
     fn value(name: &str, particle: &Particle) -> [f64; 9] {
-        let mut out = [f64::NAN; 9];
+        let lanes = |x: f64, other: f64| Wide(std::array::from_fn(|l| if l % 2 == 0 { x } else { other }));
         let quantity = QUANTITIES.iter().find(|q| q.shown.name == name).expect("there is one");
-        (quantity.value)(particle, &mut out);
-        assert!(out[quantity.shown.components..].iter().all(|x| x.is_nan()), "{name}");
-        out
+        let mut out = NONE;
+        let tile = Tile {
+            position: &particle.position.map(|x| lanes(x, 0.0)),
+            start: &particle.start.map(|x| lanes(x, 0.0)),
+            velocity: &particle.velocity.map(|x| lanes(x, 0.0)),
+            mass: &lanes(particle.mass, 1.0),
+            volume: lanes(particle.volume, 1.0),
+            j: lanes(particle.j, 1.0),
+            f: &std::array::from_fn(|c| lanes(particle.f[c], f64::from(c % 4 == 0))),
+            kirchhoff: &particle.kirchhoff.map(|t| lanes(t, 0.0)),
+            history: &[],
+        };
+        (quantity.value)(&tile, &mut out);
+        let of = |lane: usize| out.map(|line| line.0[lane]);
+        assert!(of(0)[quantity.shown.components..].iter().all(|x| x.is_nan()), "{name}");
+        assert!((2..LANES).all(|l| of(l).map(f64::to_bits) == of(l - 2).map(f64::to_bits)), "{name}");
+        of(0)
     }
 
     /// Simple shear by γ of matter that is stretched by λ along x before.
-    fn sheared(gamma: f64, stretch: f64) -> Particle<'static> {
+    fn sheared(gamma: f64, stretch: f64) -> Particle {
         Particle {
             position: [1.0, 2.0, 4.0],
             start: [1.0, 1.5, 5.0],
@@ -243,7 +296,6 @@ mod tests {
             j: stretch,
             f: [stretch, gamma, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
             kirchhoff: [0.0; 6],
-            history: &[],
         }
     }
 

@@ -1,7 +1,7 @@
 //! What the materials of a scene can show of their particles.
 use crate::{Material, Region, Scene};
 use physics::law::Declared;
-use physics::quantities::{Of, POSITION, Particle, QUANTITIES, Shown};
+use physics::quantities::{NONE, Numbers, Of, POSITION, QUANTITIES, Shown, Tile, Value};
 
 /// Something shown of one particle, or of many, in time.
 #[derive(Clone, Debug)]
@@ -36,22 +36,28 @@ pub enum ProbeOf {
 pub enum Source {
     /// Nowhere: the material has no such thing.
     Nowhere,
-    /// They follow from the particle's state.
-    Value(fn(&Particle, &mut [f64; 9])),
+    /// They follow from the state of particles.
+    Value(Value),
     /// A number that the law keeps.
     History(usize),
 }
 
 impl Source {
-    /// The numbers of a particle, from the first on; what is not there is not a number.
-    pub fn of(self, particle: &Particle) -> [f64; 9] {
-        let mut value = [f64::NAN; 9];
+    /// The numbers of eight particles, from the first on; what is not there is not a number.
+    pub fn of(self, tile: &Tile) -> Numbers {
+        let mut numbers = NONE;
+        self.put(tile, &mut numbers);
+        numbers
+    }
+
+    /// The same in place of others; what it has no numbers for stays.
+    #[inline]
+    pub fn put(self, tile: &Tile, numbers: &mut Numbers) {
         match self {
-            Source::Nowhere => {}
-            Source::Value(of) => of(particle, &mut value),
-            Source::History(number) => value[0] = particle.history[number],
+            Source::Nowhere => *numbers = NONE,
+            Source::Value(of) => of(tile, numbers),
+            Source::History(number) => numbers[0] = tile.history[number],
         }
-        value
     }
 }
 

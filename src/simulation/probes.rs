@@ -7,6 +7,7 @@ use engine::data::warehouse::Warehouse;
 use engine::exec::ranks::{Network, NetworkError, collective};
 use scene::Scene;
 use scene::shown::{Probe, ProbeOf};
+use simd::LANES;
 use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
 
@@ -102,14 +103,22 @@ fn nearest(scene: &Scene, roll: &Roll, material: usize, point: [f64; 3]) -> Vec<
 
 fn tally(scene: &Scene, warehouse: &Warehouse, probe: &Probe, members: &Members) -> Vec<Tally> {
     let mut tallies = vec![Tally::nothing(); probe.shown.components];
-    let (source, mut history) = (scene.source(probe.material, probe.shown.name), Vec::new());
+    let source = scene.source(probe.material, probe.shown.name);
     for (_, block) in warehouse.blocks().filter(|(material, _)| *material == probe.material) {
         let state = State::new(scene, warehouse, probe.material, block);
-        for p in (0..block.count).filter(|&p| members.has(state.identity(p))) {
-            let particle = state.particle(p, &mut history);
-            let value = source.of(&particle);
-            for (tally, x) in tallies.iter_mut().zip(value).filter(|(_, x)| x.is_finite()) {
-                tally.add(particle.mass, x);
+        for number in 0..block.tiles() {
+            let (identities, count) = (state.identities(number), block.count - number * LANES);
+            let mut lanes = (0..LANES.min(count)).filter(|&lane| members.has(identities[lane])).peekable();
+            if lanes.peek().is_none() {
+                continue;
+            }
+            let tile = state.tile(number);
+            let numbers = source.of(&tile);
+            for lane in lanes {
+                let value = numbers.iter().map(|line| line.0[lane]);
+                for (tally, x) in tallies.iter_mut().zip(value).filter(|(_, x)| x.is_finite()) {
+                    tally.add(tile.mass.0[lane], x);
+                }
             }
         }
     }

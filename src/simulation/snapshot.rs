@@ -5,9 +5,11 @@ use engine::data::layout::ParticleLayout;
 use engine::data::particles::ParticleBlock;
 use engine::data::warehouse::Warehouse;
 use engine::schema::{Label, LabelId};
-use physics::quantities::{Particle, Shown};
+use physics::quantities::{NONE, Shown, Tile};
 use scene::Scene;
 use scene::shown::Source;
+use simd::{LANES, Wide};
+use std::array::from_fn;
 use std::ops::Range;
 use tasks::labels;
 
@@ -60,25 +62,58 @@ impl<'a> Snapshot<'a> {
     }
 
     fn piece(&self) -> Piece {
-        let columns = vec![Vec::new(); self.scene.output.fields.len()];
-        Piece { columns, ..Piece::default() }
+        let fields = &self.scene.output.fields;
+        Piece::with_room(CHUNK.min(self.particles()), fields.iter().map(|shown| shown.components))
     }
 
     fn add(&self, piece: &mut Piece, material: usize, block: &ParticleBlock, rows: Range<usize>) {
         let state = State::new(self.scene, self.warehouse, material, block);
-        let mut history = Vec::new();
-        for p in rows {
-            let particle = state.particle(p, &mut history);
-            piece.identities.push(state.identity(p));
-            // a scene has no more materials than fit
-            piece.materials.push(material as u16);
-            piece.positions.push(particle.position.map(|x| x as f32));
+        // a scene has no more materials than fit
+        piece.materials.resize(piece.materials.len() + rows.len(), material as u16);
+        let mut numbers = NONE;
+        for number in rows.start / LANES..rows.end.div_ceil(LANES) {
+            let first = number * LANES;
+            let lanes = rows.start.max(first) - first..rows.end.min(first + LANES) - first;
+            let tile = state.tile(number);
+            piece.identities.extend(&state.identities(number)[lanes.clone()]);
+            piece.positions.extend_from_slice(&rows_of(tile.position)[lanes.clone()]);
             for (column, &(source, width)) in piece.columns.iter_mut().zip(&self.sources[material]) {
-                let value = source.of(&particle);
-                column.extend(value[..width].iter().map(|&x| x as f32));
+                source.put(&tile, &mut numbers);
+                let append = match width {
+                    1 => append::<1>,
+                    3 => append::<3>,
+                    6 => append::<6>,
+                    9 => append::<9>,
+                    _ => append_some,
+                };
+                append(column, &numbers[..width], lanes.clone());
             }
         }
     }
+}
+
+/// The numbers of eight particles, particle by particle.
+#[inline(always)]
+fn rows_of<const N: usize>(numbers: &[Wide; N]) -> [[f32; N]; LANES] {
+    let mut rows = [[0.0; N]; LANES];
+    for (component, line) in numbers.iter().enumerate() {
+        for (row, x) in rows.iter_mut().zip(line.0) {
+            row[component] = x as f32;
+        }
+    }
+    rows
+}
+
+/// Appends those of some lanes to a column.
+fn append<const N: usize>(column: &mut Vec<f32>, numbers: &[Wide], lanes: Range<usize>) {
+    if let Some(numbers) = numbers.first_chunk::<N>() {
+        column.extend_from_slice(rows_of(numbers)[lanes].as_flattened());
+    }
+}
+
+/// The same of any number of numbers.
+fn append_some(column: &mut Vec<f32>, numbers: &[Wide], lanes: Range<usize>) {
+    lanes.for_each(|lane| column.extend(numbers.iter().map(|line| line.0[lane] as f32)));
 }
 
 fn field(shown: &Shown) -> Field {
@@ -105,35 +140,38 @@ impl<'a> State<'a> {
         Self { layout, block, density: scene.materials[material].density }
     }
 
-    pub fn identity(&self, p: usize) -> u64 {
-        self.block.get(self.layout, labels::Identity::ID, p, 0).to_bits()
+    /// The identities of the particles in a tile.
+    pub fn identities(&self, tile: usize) -> [u64; LANES] {
+        self.numbers::<1>(labels::Identity::ID, tile)[0].0.map(f64::to_bits)
     }
 
-    /// Numbers that the material does not have are none.
-    fn numbers<const N: usize>(&self, label: LabelId, p: usize) -> [f64; N] {
-        match self.layout.width(label) {
-            0 => [f64::NAN; N],
-            _ => std::array::from_fn(|c| self.block.get(self.layout, label, p, c)),
-        }
+    /// The numbers of a tile. A material that does not have the label has none.
+    fn numbers<const N: usize>(&self, label: LabelId, tile: usize) -> &'a [Wide; N] {
+        self.lines(label, tile).first_chunk().unwrap_or(const { &[Wide([f64::NAN; LANES]); N] })
     }
 
-    pub fn particle<'b>(&self, p: usize, history: &'b mut Vec<f64>) -> Particle<'b> {
-        let [mass] = self.numbers(labels::Mass::ID, p);
-        let ([volume], [at_first]) =
-            (self.numbers(labels::Volume::ID, p), self.numbers(labels::InitialVolume::ID, p));
-        history.clear();
-        let kept = self.layout.width(labels::History::ID);
-        history.extend((0..kept).map(|c| self.block.get(self.layout, labels::History::ID, p, c)));
-        Particle {
-            position: self.numbers(labels::Position::ID, p),
-            start: self.numbers(labels::InitialPosition::ID, p),
-            velocity: self.numbers(labels::Velocity::ID, p),
+    fn lines(&self, label: LabelId, tile: usize) -> &'a [Wide] {
+        let width = self.layout.width(label);
+        &self.block.column(self.layout, label)[tile * width..(tile + 1) * width]
+    }
+
+    /// The particles of a tile.
+    pub fn tile(&self, tile: usize) -> Tile<'a> {
+        let mass = &self.numbers::<1>(labels::Mass::ID, tile)[0];
+        let of = |label| self.lines(label, tile).first();
+        let volume = of(labels::Volume::ID);
+        let ratio = |volume: &Wide, at_first: &Wide| from_fn(|l| volume.0[l] / at_first.0[l]);
+        let j = volume.zip(of(labels::InitialVolume::ID)).map_or([f64::NAN; LANES], |(v, v0)| ratio(v, v0));
+        Tile {
+            position: self.numbers(labels::Position::ID, tile),
+            start: self.numbers(labels::InitialPosition::ID, tile),
+            velocity: self.numbers(labels::Velocity::ID, tile),
             mass,
-            volume: if volume.is_nan() { mass / self.density } else { volume },
-            j: volume / at_first,
-            f: self.numbers(labels::Deformation::ID, p),
-            kirchhoff: self.numbers(labels::KirchhoffStress::ID, p),
-            history,
+            volume: volume.copied().unwrap_or_else(|| Wide(mass.0.map(|m| m / self.density))),
+            j: Wide(j),
+            f: self.numbers(labels::Deformation::ID, tile),
+            kirchhoff: self.numbers(labels::KirchhoffStress::ID, tile),
+            history: self.lines(labels::History::ID, tile),
         }
     }
 }

@@ -210,6 +210,36 @@ fn a_full_disk_ends_the_run_and_the_last_checkpoint_stays() {
     assert!(run(&whole, "9", &[]).status.success());
     same_results(&whole, &out);
 }
+
+/// The frame is written beside the steps: what becomes of it is told with the next one, or the checkpoint that counts it.
+#[test]
+fn a_full_disk_for_a_frame_ends_the_run_and_frames_before_stay() {
+    let folder = folder();
+    let [out, whole] = ["run", "whole"].map(|name| folder.path().join(name));
+    assert!(run(&out, "5", &[]).status.success());
+    let frames = |out: &Path| {
+        let reader = ok(sinew::output::vtkhdf::Reader::open(&out.join("particles.vtkhdf")));
+        (0..reader.frames()).map(|k| ok(reader.frame(k))).collect::<Vec<_>>()
+    };
+    let before = frames(&out);
+    // room for rows of the history, and less than a frame asks for first
+    let script = "ulimit -f 100; exec \"$0\" run --restart \"$1\" --steps 9 -q";
+    let binary = assert_cmd::cargo::cargo_bin!("sinew");
+    let output = ok(Command::new("bash").args(["-c", script]).arg(binary).arg(&out).output());
+    let said = words(&output);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let facts = ["cannot write", "/particles/0000", ".h5.part", "free some space"];
+    assert!(facts.iter().all(|fact| said.contains(fact)), "{said}");
+    assert!(ok(std::fs::read_to_string(out.join("summary.json"))).contains("failed"));
+    assert!(before.len() > 2 && frames(&out) == before);
+    let left = ok(std::fs::read_dir(out.join("particles"))).map(|entry| ok(entry).file_name());
+    assert!(left.into_iter().all(|name| !name.to_string_lossy().ends_with(".part")), "nothing half is left");
+    let output = sinew(&["run", "--restart", text(&out), "--steps", "9", "-q"]);
+    assert!(output.status.success(), "{}", words(&output));
+    assert!(run(&whole, "9", &[]).status.success());
+    same_results(&whole, &out);
+}
+
 /// Kills the command at random moments, again and again, until the run is done. `SINEW_TEST_KILLS` sets how often at least.
 #[test]
 fn a_run_that_is_killed_at_any_moment_goes_on() {

@@ -3,6 +3,7 @@ mod command;
 #[path = "../common/mod.rs"]
 mod common;
 mod crafted;
+mod frames;
 mod ranks;
 #[path = "../common/unlocked.rs"]
 mod unlocked;

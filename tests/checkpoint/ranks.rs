@@ -3,7 +3,7 @@ use crate::command::timeless;
 use crate::*;
 
 /// Runs `work` on each of `size` ranks.
-fn together<T: Send>(size: usize, work: impl Fn(Box<dyn Network>) -> T + Sync) -> Vec<T> {
+pub fn together<T: Send>(size: usize, work: impl Fn(Box<dyn Network>) -> T + Sync) -> Vec<T> {
     std::thread::scope(|scope| {
         let crew = Local::crew(size).into_iter();
         let ranks: Vec<_> = crew.map(|rank| scope.spawn(|| work(Box::new(rank)))).collect();

@@ -2,14 +2,16 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod damaged;
+mod parts;
 #[path = "../common/unlocked.rs"]
 mod unlocked;
 
 use sinew::output::compare::frame_particles;
-use sinew::output::frame::{Columns, Field, Head, Piece};
+use sinew::output::frame::{Columns, Field, Frame, Head, Piece};
 use sinew::output::run_id::RunId;
 use sinew::output::snapshot::Snapshot;
-use sinew::output::vtkhdf::{Found, Reader, Writer};
+use sinew::output::vtkhdf;
+use sinew::output::vtkhdf::{FileId, Found, PartFile, Reader};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -19,7 +21,75 @@ fn run() -> RunId {
 }
 
 fn resume(path: &Path, frames: u64) -> sinew::output::Result<(Writer, Vec<String>)> {
-    Writer::resume(path, Found::look(path, run(), frames)?)
+    let (index, warnings) = vtkhdf::Writer::resume(path, Found::look(path, run(), frames)?)?;
+    Ok((Writer { path: path.into(), run: run(), writing: RunId::new(), index, next: frames }, warnings))
+}
+
+/// Writes frames as the ranks of a run do, one after the other.
+#[derive(Debug)]
+struct Writer {
+    path: PathBuf,
+    run: RunId,
+    writing: RunId,
+    index: vtkhdf::Writer,
+    next: u64,
+}
+
+impl Writer {
+    fn create(path: &Path, run: RunId) -> sinew::output::Result<Self> {
+        let index = vtkhdf::Writer::create(path, run)?;
+        Ok(Self { path: path.into(), run, writing: RunId::new(), index, next: 0 })
+    }
+
+    fn append(&mut self, frame: &Snapshot) -> sinew::output::Result<()> {
+        self.append_as(&[frame.particles()], Vec::new(), frame)
+    }
+
+    /// A frame in parts of so many rows.
+    fn append_as(
+        &mut self,
+        rows: &[usize],
+        materials: Vec<String>,
+        frame: &Snapshot,
+    ) -> sinew::output::Result<()> {
+        assert_eq!(rows.iter().sum::<usize>(), frame.particles());
+        let (fields, number) = (frame.fields(), self.next);
+        self.next += 1;
+        let columns = Columns { fields, materials };
+        self.index.admits(&columns)?;
+        let head = Head { time: frame.time, step: frame.step, particles: frame.particles(), columns };
+        let (mut parts, mut first) = (Vec::new(), 0);
+        for (id, &count) in FileId::of_frame(number, rows.len()).zip(rows) {
+            let head = Head { particles: count, ..head.clone() };
+            let mut file = PartFile::create(&self.path, id, [self.run, self.writing], head)?;
+            file.piece(&piece(frame, first..first + count))?;
+            parts.push(file.finish()?);
+            first += count;
+        }
+        self.index.add(number, head, parts);
+        self.index.name_soon()
+    }
+
+    fn sync(&mut self) -> sinew::output::Result<()> {
+        self.index.sync()
+    }
+
+    fn frames(&self) -> u64 {
+        self.next
+    }
+}
+
+/// Rows of a frame.
+fn piece(frame: &Snapshot, rows: std::ops::Range<usize>) -> Piece {
+    let of = |(field, values): &(Field, Vec<f32>)| {
+        values[rows.start * field.components..rows.end * field.components].to_vec()
+    };
+    Piece {
+        identities: frame.identities[rows.clone()].to_vec(),
+        materials: frame.materials[rows.clone()].to_vec(),
+        positions: frame.positions[rows.clone()].to_vec(),
+        columns: frame.columns.iter().map(of).collect(),
+    }
 }
 
 fn field(name: &str, unit: &str, components: usize) -> Field {
@@ -176,11 +246,9 @@ fn what_columns_are_comes_back() {
         let fields = vec![Field { meaning, codes, ..field("failure", "1", 1) }, field("a", "m/s", 3)];
         let columns = Columns { fields, materials: materials.clone() };
         let mut writer = Writer::create(&path, run()).unwrap();
-        writer.begin(Head { time: 0.0, step: 0, particles: 1, columns: columns.clone() }).unwrap();
-        let (identities, values) = (vec![7], vec![vec![1.0], vec![2.0; 3]]);
-        let piece = Piece { identities, materials: vec![0], positions: vec![[0.0; 3]], columns: values };
-        writer.piece(&piece).unwrap();
-        writer.end().unwrap();
+        let values = columns.fields.iter().cloned().zip([vec![1.0], vec![2.0; 3]]).collect();
+        let one = Snapshot { columns: values, ..snapshot(0, 1) };
+        writer.append_as(&[1], materials.clone(), &one).unwrap();
         let reader = Reader::open(&path).unwrap();
         assert_eq!((reader.fields(), reader.materials()), (&*columns.sorted().fields, &*materials));
         // made anew of the frames
@@ -190,7 +258,7 @@ fn what_columns_are_comes_back() {
     }
 }
 
-/// What a frame is called.
+/// What a frame of one file is called.
 fn frame_file(index: &Path, number: u64) -> PathBuf {
     index.with_file_name("particles").join(format!("{number:06}.h5"))
 }

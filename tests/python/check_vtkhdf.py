@@ -1,14 +1,18 @@
-"""Opens a particle file with h5py and with VTK's own reader and compares every frame.
+"""Opens a particle file with h5py, with VTK's own reader and with Sinew's package and compares every frame.
 
 usage: check_vtkhdf.py FILE
 VTK accepts many broken files and returns fewer points or arrays in silence, so counts and arrays are compared.
 """
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "python"))
+import sinew  # noqa: E402
 
 
 def main(path):
@@ -31,6 +35,8 @@ def main(path):
         # VTK gives a file of one frame no time.
         assert frames == 1 or np.array_equal(seen, times), (seen, times)
 
+        ours = sinew.Frames(Path(path))
+        assert len(ours) == frames, len(ours)
         for k, time in enumerate(times):
             start, count = int(steps["PointOffsets"][k]), int(root["NumberOfPoints"][k])
             rows = slice(start, start + count)
@@ -44,6 +50,7 @@ def main(path):
                 continue
             assert np.array_equal(vtk_to_numpy(data.GetVerts().GetConnectivityArray()), np.arange(count))
             assert np.array_equal(vtk_to_numpy(data.GetPoints().GetData()), root["Points"][rows])
+            assert np.array_equal(ours[k].position, root["Points"][rows]), k
             arrays = data.GetPointData()
             assert arrays.GetNumberOfArrays() == len(root["PointData"]), (k, arrays.GetNumberOfArrays())
             for name, column in root["PointData"].items():
@@ -51,7 +58,9 @@ def main(path):
                 assert array is not None, (k, name)
                 read = vtk_to_numpy(array)
                 assert read.dtype == column.dtype, (name, read.dtype)
-                assert np.array_equal(read, column[rows], equal_nan=column.dtype.kind == "f"), (k, name)
+                floats = column.dtype.kind == "f"
+                assert np.array_equal(read, column[rows], equal_nan=floats), (k, name)
+                assert np.array_equal(ours[k]._column(f"PointData/{name}"), column[rows], equal_nan=floats), (k, name)
                 assert name in ("id", "material") or "unit" in column.attrs, name
                 # bytes were written until a scene could have more than 256 materials
                 assert name != "material" or column.dtype in (np.uint8, np.uint16), column.dtype

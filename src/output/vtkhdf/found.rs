@@ -1,11 +1,11 @@
 //! What there is of the frames of a run that goes on: looked at before anything is changed.
 use super::index::{self, Index};
-use super::{Entry, file, frame_file};
+use super::{Entry, FileId, named, part_file};
 use crate::output::error::{Error, Result};
 use crate::output::frame::Columns;
 use crate::output::run_id::RunId;
 use crate::output::{draft, seal, space};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Bytes that a restart finds room for before it changes anything.
@@ -19,7 +19,7 @@ pub struct Found {
     pub(super) frames: u64,
     /// Whether the index that is there names just these.
     pub(super) named: bool,
-    /// Files in the place of the others, and what is wrong with each.
+    /// Files in the place of the others, and what is wrong with each of them.
     pub(super) wrong: Vec<(PathBuf, String)>,
     pub(super) warnings: Vec<String>,
     /// Frames that are missing and were told one by one.
@@ -47,12 +47,15 @@ impl Found {
             rebuilt: false,
         };
         let known = found.known(path, run)?;
-        let mut entries: HashMap<u64, Entry> =
-            known.entries.iter().map(|entry| (entry.number, *entry)).collect();
-        let there = super::numbered(path).into_iter().map(|(number, _)| number);
-        let numbers: BTreeSet<u64> = there.chain(entries.keys().copied()).filter(|n| *n < frames).collect();
-        for number in numbers {
-            found.frame(&file(path, number), number, entries.remove(&number), &known.columns)?;
+        let mut frames_there: BTreeMap<u64, (Option<Entry>, Vec<FileId>)> = BTreeMap::new();
+        for entry in known.entries.iter().filter(|entry| entry.number < frames) {
+            frames_there.entry(entry.number).or_default().0 = Some(entry.clone());
+        }
+        for (id, _) in named::list(path).into_iter().filter(|(id, _)| id.number < frames) {
+            frames_there.entry(id.number).or_default().1.push(id);
+        }
+        for (number, (entry, there)) in frames_there {
+            found.frame(path, number, entry, &there, &known.columns)?;
         }
         found.named = found.index.entries == known.entries && path.is_file();
         // what an index of this run does not name was told before
@@ -80,38 +83,83 @@ impl Found {
         Ok(self.index.clone())
     }
 
-    /// Looks at a frame, which the index has as `entry`, if it has it.
-    fn frame(&mut self, path: &Path, number: u64, entry: Option<Entry>, columns: &Columns) -> Result<()> {
-        let stated = seal::stated(path);
-        if let (Ok(digest), Some(entry)) = (&stated, entry)
-            && *digest == entry.digest
-        {
-            self.take(path, entry, columns);
-            return Ok(());
-        }
-        match stated.and_then(|_| frame_file::describe(path, self.index.run, number)) {
-            Ok((its, columns)) => {
-                if entry.is_some() {
-                    let name = path.display();
-                    self.warnings.push(format!(
-                        "{name}: the index names another frame there; this one is of this run, and kept"
-                    ));
-                }
-                self.take(path, its, &columns);
+    /// Looks at a frame, which the index has as `entry`, if it has it, and of which these files are there.
+    fn frame(
+        &mut self,
+        index: &Path,
+        number: u64,
+        entry: Option<Entry>,
+        there: &[FileId],
+        columns: &Columns,
+    ) -> Result<()> {
+        let as_named = |entry: &Entry| {
+            let mut files = entry.files();
+            files.all(|(id, part)| seal::stated(&id.path(index)).is_ok_and(|digest| digest == part.digest))
+        };
+        let is_named = entry.is_some();
+        let parts = match entry {
+            Some(entry) if as_named(&entry) => {
+                self.take(index, entry, columns);
+                return Ok(());
             }
-            Err(error) if error.is_denied() => return Err(error),
-            Err(error) if error.is_missing() => {
-                if entry.is_some() {
-                    self.warnings.push(format!("{error}; the frame is left out"));
-                    self.lost += 1;
-                }
-            }
-            Err(error) => self.wrong.push((path.into(), error.to_string())),
+            Some(entry) if there.iter().any(|id| id.parts == entry.parts.len()) => entry.parts.len(),
+            Some(entry) => there.first().map_or(entry.parts.len(), |id| id.parts),
+            None => there.first().map_or(1, |id| id.parts),
+        };
+        let Some((its, columns)) = self.of_files(index, (number, parts), is_named)? else { return Ok(()) };
+        if is_named {
+            let path = FileId { number, parts, part: 0 }.path(index);
+            self.warnings.push(format!(
+                "{}: the index names another frame there; this one is of this run, and kept",
+                path.display()
+            ));
         }
+        self.take(index, its, &columns);
         Ok(())
     }
 
-    fn take(&mut self, path: &Path, entry: Entry, columns: &Columns) {
+    /// A frame as its files say, if all of them are there, whole, and belong together. What is missing is told of a frame
+    /// that the index names.
+    fn of_files(
+        &mut self,
+        index: &Path,
+        (number, parts): (u64, usize),
+        is_named: bool,
+    ) -> Result<Option<(Entry, Columns)>> {
+        let (mut all, mut first, mut whole) = (Vec::new(), None, true);
+        for id in FileId::of_frame(number, parts) {
+            match part_file::describe(index, id, self.index.run) {
+                Ok(its) => {
+                    all.push(its.part);
+                    let first = first.get_or_insert_with(|| its.of_frame.clone());
+                    if *first != its.of_frame {
+                        let (path, one) = (id.path(index), FileId { part: 0, ..id }.name());
+                        let problem =
+                            format!("{}: it is no part of the frame that {one} is of", path.display());
+                        self.wrong.push((path, problem));
+                        whole = false;
+                    }
+                }
+                Err(error) if error.is_denied() => return Err(error),
+                Err(error) if error.is_missing() => {
+                    if is_named {
+                        self.warnings.push(format!("{error}; the frame is left out"));
+                        self.lost += u64::from(whole);
+                    }
+                    return Ok(None);
+                }
+                Err(error) => {
+                    self.wrong.push((id.path(index), error.to_string()));
+                    whole = false;
+                }
+            }
+        }
+        Ok(first
+            .filter(|_| whole)
+            .map(|its| (Entry { number, time: its.time, step: its.step, parts: all }, its.columns)))
+    }
+
+    fn take(&mut self, index: &Path, entry: Entry, columns: &Columns) {
         if self.index.entries.is_empty() {
             self.index.columns = columns.clone();
         }
@@ -121,7 +169,8 @@ impl Found {
             true => "it is not later than the frame before it",
             false => "it has other fields",
         };
-        self.wrong.push((path.into(), format!("{}: {problem}", path.display())));
+        let paths = entry.files().map(|(id, _)| id.path(index));
+        self.wrong.extend(paths.map(|path| (path.clone(), format!("{}: {problem}", path.display()))));
     }
 }
 
@@ -137,7 +186,7 @@ fn writable(index: &Path, frames: u64) -> Result<()> {
         Ok(_) => space::probe(&draft::aside(&folder.join(index::CELLS)), ROOM)?,
         Err(_) => {}
     }
-    let later = super::numbered(index).into_iter().filter(|(number, _)| *number >= frames);
+    let later = named::list(index).into_iter().filter(|(id, _)| id.number >= frames);
     if let Some((_, path)) = later.into_iter().find(|(_, path)| path.is_dir()) {
         return Err(blocked(&path, "it is a folder, where a run writes a frame: move it away"));
     }

@@ -1,6 +1,6 @@
 //! The index: what VTK reads, composed of the files of the frames.
 use super::about::{columns, describe_field, name_materials, unit};
-use super::{Entry, file_name, name, relative};
+use super::{Entry, Part, name, relative};
 use crate::output::draft::Draft;
 use crate::output::error::{Error, Result};
 use crate::output::frame::Columns;
@@ -53,15 +53,13 @@ pub fn read(path: &Path) -> Result<Index> {
         let n = root.group(name::STEPS)?.attr(name::FRAMES)?.read_scalar::<i64>()?;
         let n = usize::try_from(n).map_err(|_| hdf5::Error::Internal(format!("{n} frames")))?;
         let whole = |name: &str| table::<u64>(&root, name, n, 1);
-        let (steps, counts, numbers) = (whole(name::TAKEN)?, whole(name::COUNTS)?, whole(name::NUMBERS)?);
-        let (times, digests): (Vec<f64>, Vec<u64>) =
-            (table(&root, name::TIMES, n, 1)?, table(&root, name::DIGESTS, n, 2)?);
+        let (steps, numbers, mut parts) = (whole(name::TAKEN)?, whole(name::NUMBERS)?, parts(&root, n)?);
+        let times: Vec<f64> = table(&root, name::TIMES, n, 1)?;
         let entry = |k: usize| Entry {
             number: numbers[k],
             time: times[k],
             step: steps[k],
-            particles: counts[k] as usize,
-            digest: u128::from(digests[2 * k]) << 64 | u128::from(digests[2 * k + 1]),
+            parts: std::mem::take(&mut parts[k]),
         };
         let columns = columns(&root.group(name::DATA)?)?;
         Ok(Index { run: RunId::read(&root)?, columns, entries: (0..n).map(entry).collect() })
@@ -70,6 +68,23 @@ pub fn read(path: &Path) -> Result<Index> {
         path: path.into(),
         problem: format!("not a particle file of Sinew ({source})"),
     })
+}
+
+/// The files of `n` frames. Where it is not said how many they are, it is one each.
+fn parts(root: &Group, n: usize) -> hdf5::Result<Vec<Vec<Part>>> {
+    let several = root.link_exists(name::FILES);
+    let files = if several { table::<u64>(root, name::FILES, n, 1)? } else { vec![1; n] };
+    let all = root.dataset(name::DIGESTS)?.shape().first().copied().unwrap_or(0);
+    let rows: Vec<u64> = table(root, if several { name::ROWS } else { name::COUNTS }, all, 1)?;
+    let digests: Vec<u64> = table(root, name::DIGESTS, all, 2)?;
+    let mut rest = rows.iter().zip(digests.as_chunks::<2>().0).map(|(&rows, &[high, low])| Part {
+        particles: rows as usize,
+        digest: u128::from(high) << 64 | u128::from(low),
+    });
+    let frames: Vec<Vec<Part>> =
+        files.iter().map(|&count| rest.by_ref().take(count as usize).collect()).collect();
+    let fit = frames.iter().zip(&files).all(|(parts, &count)| count > 0 && parts.len() as u64 == count);
+    if fit && rest.next().is_none() { Ok(frames) } else { Err("frames and their files do not fit".into()) }
 }
 
 /// Writes the vertices 0 … n − 1, of which every frame shows as many as it has particles.
@@ -140,14 +155,15 @@ fn steps(root: &Group, entries: &[Entry]) -> hdf5::Result<()> {
     fill(&times, &entries.iter().map(|entry| entry.time).collect::<Vec<_>>())?;
     unit(&times, "s")?;
     let ends = entries.iter().scan(0, |row, entry| {
-        *row += entry.particles as i64;
+        *row += entry.particles() as i64;
         Some(*row)
     });
     let offsets: Vec<i64> = std::iter::once(0).chain(ends).take(n).collect();
     let tables = [
-        (name::COUNTS, all(&|_, entry| entry.particles as i64)),
+        (name::COUNTS, all(&|_, entry| entry.particles() as i64)),
         (name::TAKEN, all(&|_, entry| entry.step as i64)),
         (name::NUMBERS, all(&|_, entry| entry.number as i64)),
+        (name::FILES, all(&|_, entry| entry.parts.len() as i64)),
         (name::OFFSETS, offsets),
         ("Steps/PartOffsets", all(&|k, _| k as i64)),
         ("Steps/NumberOfParts", all(&|_, _| 1)),
@@ -155,15 +171,18 @@ fn steps(root: &Group, entries: &[Entry]) -> hdf5::Result<()> {
     for (name, values) in tables {
         fill(&root.new_dataset::<i64>().shape(n).create(name)?, &values)?;
     }
-    let digests: Vec<u64> = entries.iter().flat_map(|e| [(e.digest >> 64) as u64, e.digest as u64]).collect();
-    fill(&root.new_dataset::<u64>().shape((n, 2)).create(name::DIGESTS)?, &digests)?;
+    let parts = || entries.iter().flat_map(|entry| &entry.parts);
+    let rows: Vec<i64> = parts().map(|part| part.particles as i64).collect();
+    fill(&root.new_dataset::<i64>().shape(rows.len()).create(name::ROWS)?, &rows)?;
+    let digests: Vec<u64> = parts().flat_map(|p| [(p.digest >> 64) as u64, p.digest as u64]).collect();
+    fill(&root.new_dataset::<u64>().shape((rows.len(), 2)).create(name::DIGESTS)?, &digests)?;
     // all frames share the vertices, so that their cells begin at the first one
     fill(&root.new_dataset::<i64>().shape((n, 4)).create("Steps/CellOffsets")?, &vec![0i64; 4 * n])?;
     root.link_hard("Steps/CellOffsets", "Steps/ConnectivityIdOffsets")
 }
 
 fn cells(root: &Group, entries: &[Entry]) -> hdf5::Result<()> {
-    let most = entries.iter().map(|entry| entry.particles).max().unwrap_or(0);
+    let most = entries.iter().map(Entry::particles).max().unwrap_or(0);
     let n = entries.len();
     for kind in TOPOLOGIES {
         let group = root.create_group(kind)?;
@@ -205,17 +224,16 @@ impl Composed<'_> {
         width: usize,
         missing: T,
     ) -> hdf5::Result<Dataset> {
-        let all: usize = self.0.iter().map(|entry| entry.particles).sum();
+        let all: usize = self.0.iter().map(Entry::particles).sum();
         let shape = |rows: usize| if width == 1 { vec![rows] } else { vec![rows, width] };
         let mut builder = group.new_dataset_builder();
         let mut row = 0;
-        for entry in self.0.iter().filter(|entry| entry.particles > 0) {
-            let rows = row..row + entry.particles;
+        for (id, part) in self.0.iter().flat_map(Entry::files).filter(|(_, part)| part.particles > 0) {
+            let (rows, n) = (row..row + part.particles, part.particles);
             row = rows.end;
             let there = if width == 1 { Selection::try_new(rows)? } else { Selection::try_new((rows, ..))? };
-            let file = relative(&file_name(entry.number));
-            builder =
-                builder.virtual_map(file, source, shape(entry.particles), Selection::All, shape(all), there);
+            let file = relative(&id.name());
+            builder = builder.virtual_map(file, source, shape(n), Selection::All, shape(all), there);
         }
         builder.fill_value(missing).empty::<T>().shape(shape(all)).create(name)
     }
@@ -227,5 +245,5 @@ fn fill<T: H5Type>(dataset: &Dataset, values: &[T]) -> hdf5::Result<()> {
 }
 
 fn room(columns: &Columns, entries: &[Entry]) -> usize {
-    SLACK + PART * (columns.fields.len() + 16) * entries.len()
+    SLACK + PART * (columns.fields.len() + 16) * entries.iter().map(|entry| entry.parts.len()).sum::<usize>()
 }

@@ -1,6 +1,6 @@
 //! Reads frames back.
 use super::index::{self, Index};
-use super::{Entry, file, frame_file};
+use super::{Entry, part_file};
 use crate::output::error::{Error, Result};
 use crate::output::frame::{Columns, Field};
 use crate::output::snapshot::Snapshot;
@@ -33,7 +33,7 @@ impl Reader {
 
     /// Particles of frame `k`; none where there is no such frame.
     pub fn particles(&self, k: usize) -> usize {
-        self.entries.get(k).map_or(0, |entry| entry.particles)
+        self.entries.get(k).map_or(0, Entry::particles)
     }
 
     /// Time of each frame [s].
@@ -69,6 +69,6 @@ impl Reader {
             let problem = format!("there is no frame {k}: the file has {} (counted from 0)", self.frames());
             return Err(Error::Content { path: self.path.clone(), problem });
         };
-        frame_file::read(&file(&self.path, entry.number), entry, self.fields(), names)
+        part_file::read(&self.path, entry, self.fields(), names)
     }
 }

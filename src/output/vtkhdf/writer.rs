@@ -1,10 +1,9 @@
-//! Writes frames.
-use super::frame_file::FrameFile;
+//! Keeps the index of frames whose files are written.
 use super::index::{self, Index};
-use super::{Entry, Found, file, folder, number};
+use super::{Entry, FileId, Found, Part, folder, token};
 use crate::output::create::{remove, set_aside};
 use crate::output::error::{self, Error, Result};
-use crate::output::frame::{Columns, Field, Frame, Head, Piece};
+use crate::output::frame::{Columns, Field, Head};
 use crate::output::run_id::RunId;
 use crate::output::{draft, seal};
 use std::fs;
@@ -12,12 +11,12 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// So many frames the index names at once. More it names as often as that takes one part in `SHARE` of the time, and when the disk is to have all:
+/// So many files the index names at once. More it names as often as that takes one part in `SHARE` of the time, and when the disk is to have all:
 /// its length, and so the time to write it, grows with their number.
 const PROMPT: usize = 64;
 const SHARE: u32 = 20;
 
-/// Writes `particles.vtkhdf` and its frames. What it names is whole and readable after every frame.
+/// Writes `particles.vtkhdf`. What it names is whole and readable after every frame.
 #[derive(Debug)]
 pub struct Writer {
     path: PathBuf,
@@ -25,14 +24,8 @@ pub struct Writer {
     /// Of the first frame, fields by name; empty before it.
     columns: Columns,
     entries: Vec<Entry>,
-    /// Number of the next frame's file.
-    next: u64,
     /// Vertices that frames share.
     cells: usize,
-    /// Frames of which the disk may not have all.
-    unsynced: Vec<PathBuf>,
-    /// The frame that is being written.
-    open: Option<FrameFile>,
     /// Frames that the index names.
     named: usize,
     /// When it was written, and how long that took.
@@ -49,7 +42,7 @@ impl Writer {
         // the index first: it must not name what is no longer there
         index::write(path, run, &Columns::default(), &[])?;
         forget_from(path, 0)?;
-        Ok(Self::at(path, Index { run, columns: Columns::default(), entries: Vec::new() }, 0))
+        Ok(Self::at(path, Index { run, columns: Columns::default(), entries: Vec::new() }))
     }
 
     /// Goes on after a restart with the frames that were found. Says what was not as it should be.
@@ -67,94 +60,49 @@ impl Writer {
             index::write(path, index.run, &index.columns, &index.entries)?;
         }
         forget_from(path, frames)?;
-        Ok((Self::at(path, index, frames), warnings))
+        Ok((Self::at(path, index), warnings))
     }
 
-    fn at(path: &Path, Index { run, columns, entries }: Index, next: u64) -> Self {
+    fn at(path: &Path, Index { run, columns, entries }: Index) -> Self {
         let (named, index) = (entries.len(), (Instant::now(), Duration::ZERO));
-        let (path, unsynced) = (path.into(), Vec::new());
-        Self { path, run, columns, entries, next, cells: 0, unsynced, open: None, named, index }
+        Self { path: path.into(), run, columns, entries, cells: 0, named, index }
     }
 
-    /// Writes one more frame that is in memory. Its fields must be those of the first frame.
+    /// Whether a frame with these columns can be one of them.
     ///
     /// # Errors
-    /// If the disk is full, or fields differ from the first frame's; frames written before stay.
-    pub fn append(&mut self, frame: &dyn Frame) -> Result<()> {
-        let fields = frame.fields();
-        let piece = Piece {
-            identities: frame.identities(),
-            materials: frame.materials(),
-            positions: frame.positions(),
-            columns: fields.iter().map(|field| frame.column(field)).collect(),
-        };
-        let (time, step, particles) = (frame.time(), frame.step(), frame.particles());
-        let columns = Columns { fields, materials: Vec::new() };
-        self.begin(Head { time, step, particles, columns })?;
-        self.piece(&piece)?;
-        self.end()
-    }
-
-    /// Begins one more frame. Its fields must be those of the first frame.
-    ///
-    /// # Errors
-    /// If there is no room for it on the disk, or fields differ from the first frame's.
-    pub fn begin(&mut self, head: Head) -> Result<()> {
-        self.open = None;
-        let columns = head.columns.clone().sorted();
-        if !self.entries.is_empty() && columns != self.columns {
-            let list = |f: &[Field]| f.iter().map(|f| f.name.clone()).collect::<Vec<_>>().join(", ");
-            let problem = format!(
-                "the fields of a frame changed from [{}] to [{}]; write other fields to another file",
-                list(&self.columns.fields),
-                list(&columns.fields)
-            );
-            return Err(Error::Content { path: self.path.clone(), problem });
+    /// If its fields differ from those of the first frame.
+    pub fn admits(&self, columns: &Columns) -> Result<()> {
+        let columns = columns.clone().sorted();
+        if self.entries.is_empty() || columns == self.columns {
+            return Ok(());
         }
-        self.columns = columns;
-        let particles = head.particles;
-        let path = file(&self.path, self.next);
-        self.open = Some(FrameFile::create(&path, self.run, head)?);
-        let most = self.entries.iter().map(|entry| entry.particles).fold(particles, usize::max);
-        if self.cells < most {
-            index::write_cells(&self.path, most)?;
-            self.cells = most;
-        }
-        Ok(())
+        let list = |f: &[Field]| f.iter().map(|f| f.name.clone()).collect::<Vec<_>>().join(", ");
+        let problem = format!(
+            "the fields of a frame changed from [{}] to [{}]; write other fields to another file",
+            list(&self.columns.fields),
+            list(&columns.fields)
+        );
+        Err(Error::Content { path: self.path.clone(), problem })
     }
 
-    /// Writes the next particles of the frame that was begun.
-    ///
-    /// # Errors
-    /// If they cannot be written.
-    pub fn piece(&mut self, piece: &Piece) -> Result<()> {
-        let Some(open) = &mut self.open else { return Ok(()) };
-        let written = open.piece(piece);
-        if written.is_err() {
-            self.open = None;
-        }
-        written
+    /// One more frame, whose files are in place.
+    pub fn add(&mut self, number: u64, head: Head, parts: Vec<Part>) {
+        self.columns = head.columns.sorted();
+        self.entries.push(Entry { number, time: head.time, step: head.step, parts });
     }
 
-    /// Ends the frame: from now on it counts.
+    /// Writes the index if frames came after it, and it is short, or was not written for a while.
     ///
     /// # Errors
-    /// If it cannot be written, or pieces are missing; frames written before stay.
-    pub fn end(&mut self) -> Result<()> {
-        let Some(open) = self.open.take() else { return Ok(()) };
-        let path = file(&self.path, self.next);
-        let entry = open.finish(self.next)?;
-        self.entries.push(entry);
+    /// If it cannot be written: the last frame does not count.
+    pub fn name_soon(&mut self) -> Result<()> {
         let (last, took) = self.index;
-        if (self.entries.len() <= PROMPT || last.elapsed() > SHARE * took)
-            && let Err(error) = self.name_all()
-        {
-            self.entries.pop();
-            return Err(error);
+        let files: usize = self.entries.iter().map(|entry| entry.parts.len()).sum();
+        if files > PROMPT && last.elapsed() <= SHARE * took {
+            return Ok(());
         }
-        self.unsynced.push(path);
-        self.next += 1;
-        Ok(())
+        self.name_all().inspect_err(|_| drop(self.entries.pop()))
     }
 
     /// Writes the index, if frames came after it.
@@ -163,29 +111,22 @@ impl Writer {
             return Ok(());
         }
         let began = Instant::now();
+        let most = self.entries.iter().map(Entry::particles).max().unwrap_or(0);
+        if self.cells < most {
+            index::write_cells(&self.path, most)?;
+            self.cells = most;
+        }
         index::write(&self.path, self.run, &self.columns, &self.entries)?;
         (self.named, self.index) = (self.entries.len(), (Instant::now(), began.elapsed()));
         Ok(())
     }
 
-    /// Number of frames that were begun so far, whether all are still there or not.
-    pub fn frames(&self) -> u64 {
-        self.next
-    }
-
-    /// Waits until the disk has all frames, and the index names them.
+    /// Waits until the index names all frames, and the disk has it.
     ///
     /// # Errors
-    /// If it does not take them.
+    /// If it does not take it.
     pub fn sync(&mut self) -> Result<()> {
         self.name_all()?;
-        if self.unsynced.is_empty() {
-            return Ok(());
-        }
-        for path in self.unsynced.drain(..) {
-            seal::sync(&path)?;
-        }
-        seal::sync(&folder(&self.path))?;
         seal::sync(&self.path)
     }
 }
@@ -237,8 +178,9 @@ pub fn remove_frames(index: &Path) -> Result<()> {
 fn forget_from(index: &Path, first: u64) -> Result<()> {
     let entries = fs::read_dir(folder(index)).into_iter().flatten().flatten().map(|entry| entry.path());
     let goes = |path: &PathBuf| match draft::of(path) {
-        Some(whole) => number(&whole).is_some(),
-        None => number(path).is_some_and(|n| n >= first),
+        Some(whole) => FileId::of(&whole).is_some(),
+        None if token::is_one(path) => true,
+        None => FileId::of(path).is_some_and(|id| id.number >= first),
     };
     entries.filter(goes).try_for_each(|path| remove(&path))
 }

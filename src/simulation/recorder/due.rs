@@ -1,4 +1,5 @@
 //! When a frame or a checkpoint is due.
+use crate::output::checkpoint::Recorded;
 use scene::shown::Probe;
 use scene::{Checkpoint, Period, Scene};
 use std::time::Instant;
@@ -33,6 +34,11 @@ pub fn stored_frame_interval(resolved: &str) -> Option<f64> {
 pub fn stored_history_every(resolved: &str) -> Option<u64> {
     let scene: toml::Table = resolved.parse().ok()?;
     scene.get("output")?.get("history-every")?.as_integer()?.try_into().ok()
+}
+
+/// Frames that a restart goes on after, if the last row and the last frame are `dropped`.
+pub fn frames_kept(recorded: &Recorded, dropped: [bool; 2]) -> u64 {
+    recorded.frames.saturating_sub(dropped[1].into())
 }
 
 /// Whether frame `number` of the whole run, counted from 0, is due at a time.

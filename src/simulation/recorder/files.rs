@@ -61,7 +61,7 @@ pub fn is_result(path: &Path) -> bool {
 pub struct Files {
     /// Rows in time.
     pub history: History,
-    /// Frames, if the scene wants any.
+    /// The index of frames, if the scene wants any, until somebody takes it.
     pub particles: Option<vtkhdf::Writer>,
 }
 
@@ -107,7 +107,7 @@ impl Files {
         // what is refused is refused before anything is changed
         vtkhdf::refuse_link(&index)?;
         writable(folder)?;
-        let frames = head.recorded.frames.saturating_sub(dropped[1].into());
+        let frames = due::frames_kept(&head.recorded, dropped);
         let found = match scene.output.frames {
             0 => None,
             _ => Some(vtkhdf::Found::look(&index, head.recorded.run, frames)?),
@@ -130,15 +130,6 @@ impl Files {
         };
         remove(&folder.join(SUMMARY))?;
         Ok((Self { history, particles }, warnings))
-    }
-
-    /// Waits until the disk has all that was written.
-    ///
-    /// # Errors
-    /// If it does not take it.
-    pub fn sync(&mut self) -> output::Result<()> {
-        self.history.sync()?;
-        self.particles.as_mut().map_or(Ok(()), vtkhdf::Writer::sync)
     }
 }
 

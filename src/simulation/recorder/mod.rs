@@ -1,26 +1,28 @@
 //! The folder of a run: scene, history, frames, checkpoints and summary. All ranks call what is here, rank 0 alone has
-//! the files.
+//! the files but for frames.
 mod backup;
 mod due;
 mod files;
+mod frames;
 mod rows;
 mod seen;
 mod summarize;
 
 use super::Simulation;
 use super::watch::{Said, Watch};
-use crate::output::checkpoint::{self, Head, Reader, Recorded};
+use crate::output::checkpoint::{self, Head, Recorded};
 use crate::output::claim::Claim;
-use crate::output::frame;
 use crate::output::run_id::RunId;
 use crate::output::summary::{Status, Summary};
-use crate::output::{self, vtkhdf};
-use crate::output::{parcel, together};
+use crate::output::vtkhdf::INDEX;
+use crate::output::{self, together};
 use backup::Backup;
 use due::{Checkpoints, Due};
-use engine::exec::ranks::{Network, collective};
+use engine::exec::ranks::collective;
 use files::Files;
 pub use files::{Held, held, is_result};
+use frames::Frames;
+pub use seen::last_checkpoint;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Instant;
@@ -34,6 +36,8 @@ pub struct Recorder {
     claim: Option<Rc<Claim>>,
     /// On rank 0.
     files: Option<Files>,
+    /// If the scene wants any.
+    frames: Option<Frames>,
     /// Number of the next frame of the whole run.
     due: usize,
     /// Simulated time after the last step [s].
@@ -74,42 +78,23 @@ pub enum End {
     Failed(String),
 }
 
-/// The last whole checkpoint of a folder, open on all ranks, and the damaged ones after it with what is wrong with them.
-/// Rank 0 looks for it.
-///
-/// # Errors
-/// If there is none, or it cannot be read: on all ranks.
-pub fn last_checkpoint(
-    network: &mut dyn Network,
-    folder: &Path,
-) -> output::Result<(Reader, checkpoint::Found)> {
-    let found = match network.rank() {
-        0 => checkpoint::last_whole(folder).map(Some),
-        _ => Ok(None),
-    };
-    let found = together::agree(network, found)?;
-    let path = found.as_ref().map_or_else(PathBuf::new, |found| found.path.clone());
-    let path = together::path_from_first(network, &path)?;
-    let reader = seen::open(network, &path)?;
-    let none = checkpoint::Found { path, damaged: Vec::new(), warnings: Vec::new() };
-    Ok((reader, found.unwrap_or(none)))
-}
-
 impl Recorder {
     /// Makes the folder, writes `scene.toml` and the first row and frame.
     ///
     /// # Errors
     /// If the folder or a file in it cannot be written.
     pub fn create(folder: &Path, simulation: &mut Simulation) -> output::Result<Self> {
-        let run = RunId::new();
+        let run = RunId::common(simulation.network())?;
         let files = match simulation.network().rank() {
             0 => Files::create(folder, run, &simulation.scene).map(Some),
             _ => Ok(None),
         };
         let files = together::agree(simulation.network(), files)?;
-        let mut recorder = Self::new(folder, run, simulation, files);
+        let mut recorder = Self::new(folder, run, simulation, files, 0)?;
         recorder.row(simulation, true)?;
         recorder.frame(simulation)?;
+        // what cannot be written is told before the first step
+        recorder.settle(simulation)?;
         recorder.due = usize::from(simulation.scene.output.frames > 0);
         Ok(recorder)
     }
@@ -133,7 +118,8 @@ impl Recorder {
         };
         let (files, warnings) = together::agree(simulation.network(), files)?.unzip();
         let warnings = warnings.unwrap_or_default();
-        let mut recorder = Self::new(folder, head.recorded.run, simulation, files);
+        let frames = due::frames_kept(&head.recorded, dropped);
+        let mut recorder = Self::new(folder, head.recorded.run, simulation, files, frames)?;
         recorder.watch = Watch::after(&head.recorded.warnings);
         recorder.warnings.clone_from(&head.recorded.warnings);
         for words in found.warnings.iter().chain(&warnings) {
@@ -142,7 +128,6 @@ impl Recorder {
             }
         }
         recorder.told = recorder.warnings.len();
-        let frames = head.recorded.frames.saturating_sub(dropped[1].into());
         recorder.before = Recorded { frames, ..head.recorded.clone() };
         recorder.last = [0, 1].map(|i| head.recorded.last[i] && !dropped[i]);
         let every = due::frame_interval(&simulation.scene);
@@ -152,14 +137,27 @@ impl Recorder {
         Ok((recorder, warnings))
     }
 
-    fn new(folder: &Path, run: RunId, simulation: &Simulation, files: Option<Files>) -> Self {
+    /// `next` is the number of the next frame.
+    fn new(
+        folder: &Path,
+        run: RunId,
+        simulation: &mut Simulation,
+        mut files: Option<Files>,
+        next: u64,
+    ) -> output::Result<Self> {
         let checkpoints = Checkpoints::begin(simulation.clock().time, &simulation.scene.output.checkpoint);
         let (folder, began, before) = (folder.to_owned(), Instant::now(), Recorded::default());
-        Self {
+        let writer = files.as_mut().and_then(|files| files.particles.take());
+        let frames = match simulation.scene.output.frames {
+            0 => None,
+            _ => Some(Frames::new(simulation.network(), &folder.join(INDEX), run, next, writer)?),
+        };
+        Ok(Self {
             folder,
             run,
             claim: None,
             files,
+            frames,
             due: 0,
             time: simulation.clock().time,
             checkpoints,
@@ -171,18 +169,12 @@ impl Recorder {
             backup: Backup::new(),
             warnings: Vec::new(),
             told: 0,
-        }
+        })
     }
 
     /// From now on this writes only while the folder is this process's, which rank 0 claimed.
     pub fn guard(&mut self, claim: Option<Rc<Claim>>) {
         self.claim = claim;
-    }
-
-    /// Whether the folder is still this process's.
-    fn hold(&self) -> output::Result<()> {
-        let untouched = || self.files.as_ref().is_some_and(|files| files.history.is_in_place());
-        self.claim.as_ref().map_or(Ok(()), |claim| claim.hold(untouched))
     }
 
     /// After a step: a row, a frame and a checkpoint, if they are due. A run that is `interrupted` on any rank gets a
@@ -212,15 +204,24 @@ impl Recorder {
         let by_step = self.checkpoints.by_step(steps, time, finished, &wanted);
         let by_clock = simulation.network().rank() == 0 && self.checkpoints.by_clock(&wanted);
         let keep = simulation.network().rank() == 0 && self.backup.is_due(simulation);
-        // one message for all: whom a signal reached, and what clock and memory of rank 0 say
-        let mut wishes = [interrupted, by_clock, keep].map(u64::from);
+        let written = self.frames.as_ref().is_some_and(Frames::is_done);
+        // one message for all: whom a signal reached, what clock and memory of rank 0 say, and who has written its part of a frame
+        let mut wishes = [interrupted, by_clock, keep, written].map(u64::from);
         collective::sum(simulation.network(), &mut wishes)?;
+        if wishes[3] == simulation.network().size() as u64 {
+            self.of_frames(simulation, |frames, simulation, held| {
+                frames.advance(simulation.network(), held)
+            })?;
+        }
         let stop = wishes[0] > 0 && !finished;
         if by_step || wishes[1] > 0 || stop {
             self.checkpoint(simulation)?;
         } else if wishes[2] > 0 && !finished {
             let recorded = self.recorded();
             self.backup.keep(simulation, recorded)?;
+        }
+        if finished {
+            self.settle(simulation)?;
         }
         Ok(if stop { Next::Stop } else { Next::Go })
     }
@@ -253,25 +254,40 @@ impl Recorder {
         Ok(())
     }
 
+    /// Begins a frame.
     fn frame(&mut self, simulation: &mut Simulation) -> output::Result<()> {
-        if simulation.scene.output.frames == 0 {
-            return Ok(());
-        }
+        self.of_frames(simulation, Frames::begin)
+    }
+
+    /// Waits until all frames are written.
+    fn settle(&mut self, simulation: &mut Simulation) -> output::Result<()> {
+        self.of_frames(simulation, |frames, simulation, held| frames.settle(simulation.network(), held))
+    }
+
+    /// Does something about frames, if there are any, which takes time of output.
+    fn of_frames(&mut self, simulation: &mut Simulation, act: Act) -> output::Result<()> {
+        let Some(frames) = &mut self.frames else { return Ok(()) };
         let began = simulation.begin_output();
-        let held = self.hold();
-        let writer = self.files.as_mut().and_then(|files| files.particles.as_mut());
-        let written = write_frame(writer, simulation, held);
-        together::agree(simulation.network(), written)?;
+        let done = act(frames, simulation, &|| hold(&self.claim, &self.files));
         self.output_s += simulation.end_output(&began);
-        Ok(())
+        done
+    }
+
+    /// Waits until the disk has all that was written.
+    fn sync(&mut self, simulation: &mut Simulation) -> output::Result<()> {
+        let held = || hold(&self.claim, &self.files);
+        if let Some(frames) = &mut self.frames {
+            frames.sync(simulation.network(), &held)?;
+        }
+        let history = self.files.as_mut().map_or(Ok(()), |files| files.history.sync());
+        together::agree(simulation.network(), history)
     }
 
     fn checkpoint(&mut self, simulation: &mut Simulation) -> output::Result<()> {
         let began = simulation.begin_output();
         // what a checkpoint counts on must be on the disk before it
-        let held = self.hold();
-        let synced = held.and_then(|()| self.files.as_mut().map_or(Ok(()), Files::sync));
-        together::agree(simulation.network(), synced)?;
+        together::agree(simulation.network(), hold(&self.claim, &self.files))?;
+        self.sync(simulation)?;
         simulation.write_checkpoint(&self.folder, self.recorded())?;
         let kept = simulation.scene.output.checkpoint.kept;
         let pruned = self.files.as_ref().map_or(Ok(()), |_| checkpoint::prune(&self.folder, kept));
@@ -284,11 +300,10 @@ impl Recorder {
 
     /// How far the files have come.
     fn recorded(&self) -> Recorded {
-        let writer = self.files.as_ref().and_then(|files| files.particles.as_ref());
         Recorded {
             run: self.run,
             // those of a run that wants no more stay
-            frames: writer.map_or(self.before.frames, vtkhdf::Writer::frames),
+            frames: self.frames.as_ref().map_or(self.before.frames, Frames::begun),
             due: self.due as u64,
             last: self.last,
             wall_s: self.wall_s(),
@@ -329,20 +344,20 @@ impl Recorder {
     /// # Errors
     /// If a file cannot be written.
     pub fn finish(mut self, simulation: &mut Simulation, end: End) -> output::Result<Summary> {
-        together::agree(simulation.network(), self.hold())?;
+        together::agree(simulation.network(), hold(&self.claim, &self.files))?;
         let (status, error) = match end {
             End::Completed => (Status::Completed, None),
             End::Interrupted => (Status::Interrupted, None),
             End::Failed(error) => {
                 // the error that matters is the one that ended the run
+                let _ = self.settle(simulation);
                 let backup = std::mem::replace(&mut self.backup, Backup::new());
                 let _ = backup.write(&self.folder, simulation);
-                let _ = self.frame(simulation);
+                let _ = self.frame(simulation).and_then(|()| self.settle(simulation));
                 (Status::Failed, Some(error))
             }
         };
-        let synced = self.files.as_mut().map_or(Ok(()), Files::sync);
-        together::agree(simulation.network(), synced)?;
+        self.sync(simulation)?;
         let wall_s = self.wall_s();
         let stepping_s = wall_s - self.output_s - self.before.output_s;
         let timing = simulation.timing(self.began.elapsed().as_secs_f64())?;
@@ -356,29 +371,11 @@ impl Recorder {
     }
 }
 
-/// Writes a frame on rank 0 (the one with the writer), from pieces of all ranks, if the folder is `held`.
-fn write_frame(
-    mut writer: Option<&mut vtkhdf::Writer>,
-    simulation: &mut Simulation,
-    held: output::Result<()>,
-) -> output::Result<()> {
-    let (time, step) = (simulation.clock().time, simulation.steps());
-    let mine = simulation.warehouse.particle_count();
-    let rank = simulation.network().rank();
-    let counts = collective::share(simulation.network(), &[mine as u64])?;
-    let total = |ranks: &[Vec<u64>]| ranks.iter().map(|count| count[0] as usize).sum();
-    let (row, particles) = (total(&counts[..rank]), total(&counts));
-    let Simulation { scene, warehouse, network, .. } = simulation;
-    let snapshot = super::Snapshot::new(scene, warehouse);
-    let head = frame::Head { time, step, particles, columns: snapshot.columns() };
-    let mut written = held.and_then(|()| writer.as_mut().map_or(Ok(()), |writer| writer.begin(head)));
-    // whatever fails here, the others send all they have
-    let take = |piece| {
-        if let (Ok(()), Some(writer)) = (&written, &mut writer) {
-            written = writer.piece(&piece);
-        }
-    };
-    parcel::collect(&mut **network, |give| snapshot.pieces(row, give), take)?;
-    written?;
-    writer.map_or(Ok(()), vtkhdf::Writer::end)
+/// Something about frames, if the folder is held.
+type Act = fn(&mut Frames, &mut Simulation, &dyn Fn() -> output::Result<()>) -> output::Result<()>;
+
+/// Whether the folder is still this process's.
+fn hold(claim: &Option<Rc<Claim>>, files: &Option<Files>) -> output::Result<()> {
+    let untouched = || files.as_ref().is_some_and(|files| files.history.is_in_place());
+    claim.as_ref().map_or(Ok(()), |claim| claim.hold(untouched))
 }

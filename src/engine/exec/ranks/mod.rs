@@ -62,6 +62,11 @@ pub trait Network {
     /// Number of ranks.
     fn size(&self) -> usize;
 
+    /// Whether a process may have more threads than the one that sends and receives.
+    fn admits_threads(&self) -> bool {
+        true
+    }
+
     /// Sends a message and goes on at once.
     fn send(&mut self, to: usize, channel: Channel, message: Vec<Wide>);
 

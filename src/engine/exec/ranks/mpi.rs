@@ -229,6 +229,10 @@ impl Network for Mpi {
         self.world.size() as usize
     }
 
+    fn admits_threads(&self) -> bool {
+        self.threading.admits(2)
+    }
+
     fn send(&mut self, to: usize, channel: Channel, message: Vec<Wide>) {
         self.reap();
         let Some(count) = self.countable(to, channel, message.len()) else { return };

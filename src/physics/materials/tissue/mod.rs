@@ -15,7 +15,7 @@ use crate::law::Reference;
 use crate::law::Response;
 use crate::law::Variable;
 use crate::law::inadmissible;
-use crate::quantities::{Particle, Quantity};
+use crate::quantities::{Eight, Quantity, Tile};
 use crate::tensor::apply;
 use crate::tensor::deviator_invariants;
 use crate::tensor::quadratic;
@@ -223,23 +223,26 @@ const SHOWN: &[Quantity] = &[
         "fiber_direction",
         3,
         |p, out| {
-            let (fiber, stretch) = fiber_now(p);
-            (0..3).for_each(|a| out[a] = fiber[a] / stretch);
+            let (a, stretch) = fiber_now(p);
+            simd::store(&[a[0] / stretch, a[1] / stretch, a[2] / stretch], &mut out[..3]);
         },
         "unit vector a along the fibers now",
     ),
     Quantity::of_law(
         "fiber_stretch",
         1,
-        |p, out| out[0] = fiber_now(p).1,
+        |p, out| fiber_now(p).1.store(&mut out[0]),
         "λ = |F a₀|: stretch of the fibers",
     ),
 ];
 
 /// F a₀ and λ.
-fn fiber_now(p: &Particle) -> ([f64; 3], f64) {
-    let fiber = [0, 3, 6].map(|row| (0..3).map(|i| p.f[row + i] * p.history[i]).sum::<f64>());
-    (fiber, fiber.iter().map(|x| x * x).sum::<f64>().sqrt())
+#[inline(always)]
+fn fiber_now(p: &Tile) -> ([Eight; 3], Eight) {
+    let (f, a) = (simd::load::<Eight, 9>(p.f), [0, 1, 2].map(|i| Eight::load(&p.history[i])));
+    let fiber = [0, 3, 6].map(|row| f[row] * a[0] + f[row + 1] * a[1] + f[row + 2] * a[2]);
+    let [x, y, z] = fiber;
+    (fiber, (x * x + y * y + z * z).sqrt())
 }
 
 impl<F: Failure> Law for Tissue<F> {

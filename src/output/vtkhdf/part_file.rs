@@ -1,6 +1,6 @@
-//! The file of one frame.
+//! The file of a frame, or of a rank's part of one.
 use super::about::{columns, describe_field, name_materials, unit};
-use super::{CHUNK, Entry, name};
+use super::{CHUNK, Entry, FileId, Part, name};
 use crate::output::draft::Draft;
 use crate::output::error::{Error, Result};
 use crate::output::frame::{Columns, Field, Head, Piece};
@@ -16,9 +16,9 @@ use std::path::{Path, PathBuf};
 const SLACK: usize = 1 << 17;
 const CHUNK_ENTRY: usize = 128;
 
-/// A frame that is being written, aside.
+/// Such a file that is being written, aside.
 #[derive(Debug)]
-pub struct FrameFile {
+pub struct PartFile {
     path: PathBuf,
     head: Head,
     /// Positions, identities, materials, and then the fields of the head: open over the frame, so that a chunk of several
@@ -29,16 +29,21 @@ pub struct FrameFile {
     row: usize,
 }
 
-impl FrameFile {
-    /// Begins a frame of a run.
+impl PartFile {
+    /// Begins a file of `head.particles` particles. `writing` is the same for all files of a frame that belong together.
     ///
     /// # Errors
     /// If there is no room for it on the disk.
-    pub fn create(path: &Path, run: RunId, head: Head) -> Result<Self> {
-        let draft = Draft::create(path, SLACK)?;
+    pub fn create(index: &Path, id: FileId, [run, writing]: [RunId; 2], head: Head) -> Result<Self> {
+        let path = id.path(index);
+        let draft = Draft::create(&path, SLACK)?;
         draft.reserve(room(&head))?;
-        let columns = draft.write(|file| run.write(file).and_then(|()| lay_out(file, &head)))?;
-        Ok(Self { path: path.into(), head, columns, draft, row: 0 })
+        let columns = draft.write(|file| {
+            run.write(file)?;
+            place(file, id, writing)?;
+            lay_out(file, &head)
+        })?;
+        Ok(Self { path, head, columns, draft, row: 0 })
     }
 
     /// Writes the next particles.
@@ -61,67 +66,113 @@ impl FrameFile {
         Ok(())
     }
 
-    /// Seals the frame and puts it in place, as file `number`.
+    /// Seals the file and puts it in place.
     ///
     /// # Errors
     /// If it cannot be written, or pieces are missing.
-    pub fn finish(self, number: u64) -> Result<Entry> {
-        let Self { path, head: Head { time, step, particles, .. }, columns, draft, row } = self;
+    pub fn finish(self) -> Result<Part> {
+        let Self { path, head: Head { particles, .. }, columns, draft, row } = self;
         if row != particles {
             let problem = format!("a frame of {particles} particles got {row}");
             return Err(Error::Content { path, problem });
         }
         drop(columns);
-        let digest = draft.finish()?;
-        Ok(Entry { number, time, step, particles, digest })
+        Ok(Part { particles, digest: draft.finish()? })
     }
 }
 
-/// What a frame's file says of itself.
+/// What a file says of itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description {
+    pub part: Part,
+    /// What all files of a frame have.
+    pub of_frame: OfFrame,
+}
+
+/// What all files of a frame say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OfFrame {
+    pub time: f64,
+    pub step: u64,
+    pub columns: Columns,
+    /// Of several: who wrote them together.
+    writing: Option<RunId>,
+}
+
+/// What a file says of itself.
 ///
 /// # Errors
 /// If it is damaged, no frame, or one of another run.
-pub fn describe(path: &Path, run: RunId, number: u64) -> Result<(Entry, Columns)> {
+pub fn describe(index: &Path, id: FileId, run: RunId) -> Result<Description> {
+    let path = &id.path(index);
     let digest = seal::verify(path)?;
     let file = stored::open(path, Virtual::Refused)?;
-    let read = || -> hdf5::Result<(Entry, Columns)> {
-        let [step, particles] = [name::STEP, name::PARTICLES].map(|name| attribute::<u64>(&file, name));
-        let (time, particles) = (attribute(&file, name::TIME)?, particles? as usize);
-        let columns = columns(&file.group(name::DATA)?)?;
-        Ok((Entry { number, time, step: step?, particles, digest }, columns))
-    };
+    let wrong = |problem: &str| Err(Error::Content { path: path.into(), problem: problem.into() });
     if RunId::read(&file).is_ok_and(|its| its != run) {
-        return Err(Error::Content { path: path.into(), problem: "it is a frame of another run".into() });
+        return wrong("it is a frame of another run");
     }
-    read().map_err(|source| not_ours(path, &source))
+    let read = || -> hdf5::Result<(Description, [u64; 2])> {
+        let number = |name| attribute::<u64>(&file, name);
+        let several = file.attr_names()?.iter().any(|name| name == name::PARTS);
+        let writing = several.then(|| RunId::read_as(&file, name::WRITING)).transpose()?;
+        let place = if several { [number(name::PART)?, number(name::PARTS)?] } else { [0, 1] };
+        let part = Part { particles: number(name::PARTICLES)? as usize, digest };
+        let columns = columns(&file.group(name::DATA)?)?;
+        let of_frame =
+            OfFrame { time: attribute(&file, name::TIME)?, step: number(name::STEP)?, columns, writing };
+        Ok((Description { part, of_frame }, place))
+    };
+    let (description, place) = read().map_err(|source| not_ours(path, &source))?;
+    if place != [id.part, id.parts].map(|n| n as u64) {
+        return wrong("it is another part of a frame than its name says");
+    }
+    Ok(description)
 }
 
 /// Reads a frame that the index knows, with those of its fields that are named.
 ///
 /// # Errors
 /// If it is damaged, or another one.
-pub fn read(path: &Path, entry: &Entry, fields: &[Field], names: &[&str]) -> Result<Snapshot> {
-    if seal::verify(path)? != entry.digest {
+pub fn read(index: &Path, entry: &Entry, fields: &[Field], names: &[&str]) -> Result<Snapshot> {
+    let wanted = fields.iter().filter(|field| names.contains(&field.name.as_str()));
+    let mut all = Snapshot { time: entry.time, step: entry.step, ..Snapshot::default() };
+    all.columns = wanted.map(|field| (field.clone(), Vec::new())).collect();
+    for (id, part) in entry.files() {
+        add(&mut all, &id.path(index), part)?;
+    }
+    Ok(all)
+}
+
+/// Adds the particles of a file to a frame.
+fn add(all: &mut Snapshot, path: &Path, part: &Part) -> Result<()> {
+    if seal::verify(path)? != part.digest {
         let problem = "it is not the frame that the index names: another run wrote it".into();
         return Err(Error::Content { path: path.into(), problem });
     }
     let file = stored::open(path, Virtual::Refused)?;
-    let n = entry.particles;
-    let read = || -> hdf5::Result<Snapshot> {
+    let n = part.particles;
+    let mut read = || -> hdf5::Result<()> {
         let data = file.group(name::DATA)?;
-        let wanted = fields.iter().filter(|field| names.contains(&field.name.as_str()));
-        let positions: Vec<f32> = table(&file, name::POINTS, n, 3)?;
-        let column = |field: &Field| Ok((field.clone(), table(&data, &field.name, n, field.components)?));
-        Ok(Snapshot {
-            time: entry.time,
-            step: entry.step,
-            identities: table(&data, name::IDENTITY, n, 1)?,
-            materials: table(&data, name::MATERIAL, n, 1)?,
-            positions: positions.as_chunks().0.to_vec(),
-            columns: wanted.map(column).collect::<hdf5::Result<_>>()?,
-        })
+        all.positions.extend(table(&file, name::POINTS, n, 3)?.as_chunks::<3>().0);
+        all.identities.extend(table::<u64>(&data, name::IDENTITY, n, 1)?);
+        all.materials.extend(table::<u16>(&data, name::MATERIAL, n, 1)?);
+        for (field, values) in &mut all.columns {
+            values.extend(table::<f32>(&data, &field.name, n, field.components)?);
+        }
+        Ok(())
     };
     read().map_err(|source| not_ours(path, &source))
+}
+
+/// States which part of a frame a file is, if it is not all of it.
+fn place(file: &File, id: FileId, writing: RunId) -> hdf5::Result<()> {
+    if id.parts == 1 {
+        return Ok(());
+    }
+    for (name, number) in [(name::PART, id.part), (name::PARTS, id.parts)] {
+        file.new_attr::<u64>().create(name)?.write_scalar(&(number as u64))?;
+    }
+    writing.write_as(file, name::WRITING)
 }
 
 fn not_ours(path: &Path, source: &hdf5::Error) -> Error {
@@ -179,7 +230,7 @@ fn attribute<T: H5Type>(group: &Group, name: &str) -> hdf5::Result<T> {
     group.attr(name)?.read_scalar()
 }
 
-/// Bytes that a frame takes if nothing of it can be compressed.
+/// Bytes that a file takes if nothing of it can be compressed.
 fn room(head: &Head) -> usize {
     let fixed = size_of::<[f32; 3]>() + size_of::<u64>() + size_of::<u16>();
     let numbers: usize = head.columns.fields.iter().map(|f| f.components).sum();
