@@ -34,6 +34,10 @@ use clap::{Parser, Subcommand};
 use ranks::Crew;
 use std::io::IsTerminal;
 use std::process::ExitCode;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
+use tracing_subscriber::{Layer, fmt};
 
 /// Coupled solids by the material point method: tissue that fails, metal that yields, rigid tools.
 ///
@@ -64,18 +68,26 @@ enum Command {
     Man(shell::Manual),
 }
 
+/// What the environment variable `SINEW_LOG` wants to see, for example `engine=debug`; else errors alone.
+fn logged() -> Targets {
+    let errors = Targets::new().with_default(LevelFilter::ERROR);
+    let wanted = std::env::var("SINEW_LOG").unwrap_or_default();
+    let parsed = if wanted.is_empty() { Ok(errors.clone()) } else { wanted.parse() };
+    parsed.unwrap_or_else(|error| {
+        eprintln!("SINEW_LOG={wanted} is passed over: {error}; it takes levels, or targets with levels, as engine=debug");
+        errors
+    })
+}
+
 fn main() -> ExitCode {
     say::end_where_nobody_reads();
     signals::let_long_files_fail();
-    let filter = tracing_subscriber::EnvFilter::from_env("SINEW_LOG");
-    let spans = tracing_subscriber::fmt::format::FmtSpan::CLOSE;
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_span_events(spans)
+    let log = fmt::layer()
+        .with_span_events(fmt::format::FmtSpan::CLOSE)
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
-        .log_internal_errors(false)
-        .init();
+        .log_internal_errors(false);
+    tracing_subscriber::registry().with(log.with_filter(logged())).init();
     // whatever they were started as: one of several that goes its own way leaves the others waiting
     let crew = match Crew::meet() {
         Ok(crew) => crew,
