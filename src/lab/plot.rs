@@ -242,7 +242,7 @@ mod tests {
         let figure = plot().draw(85.0);
         let svg = figure.to_svg()?;
         assert!(svg.contains("a &lt; b") && !svg.contains("NaN") && !svg.contains("inf"));
-        assert!(resvg::usvg::roxmltree::Document::parse(&svg).is_ok());
+        assert!(roxmltree::Document::parse(&svg).is_ok());
         let raster = figure.rasterize(150.0)?;
         assert_eq!(raster.size, figure.pixels(150.0)?);
         let near = |p: &Color, q: Color| p.iter().zip(q).all(|(a, b)| a.abs_diff(b) < 12);

@@ -1,7 +1,8 @@
 //! Type: Inter, which is part of Sinew, so that a figure looks the same on every machine.
 use super::{Color, POINT};
-use resvg::usvg::fontdb;
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
+use tiny_skia::PathBuilder;
+use ttf_parser::{Face, OutlineBuilder};
 
 /// Where a text is put.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,9 +63,32 @@ impl Type {
 
     /// How long a text is [mm].
     pub fn width(&self, text: &str) -> f64 {
-        let advances = if self.bold { &FONTS.advances[1] } else { &FONTS.advances[0] };
-        let units: f64 = text.chars().map(advances).sum();
-        units * self.size * POINT
+        text.chars().map(|letter| self.face().advance(letter)).sum::<f64>() * self.size * POINT
+    }
+
+    fn face(&self) -> &'static Font {
+        &FONTS[usize::from(self.bold)]
+    }
+
+    /// The outlines of a text that is put at a place [mm]. What the font does not have is blank.
+    pub fn outlines(&self, text: &str, [x, y]: [f64; 2]) -> Option<tiny_skia::Path> {
+        let before = match self.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => -0.5 * self.width(text),
+            Anchor::End => -self.width(text),
+        };
+        let Font(Some(face)) = self.face() else { return None };
+        let size = self.size * POINT;
+        let scale = size / f64::from(face.units_per_em());
+        let mut pen =
+            Pen { path: PathBuilder::new(), scale, at: [x, y], along: before, upright: self.upright };
+        for letter in text.chars() {
+            if let Some(glyph) = face.glyph_index(letter) {
+                face.outline_glyph(glyph, &mut pen);
+            }
+            pen.along += size * self.face().advance(letter);
+        }
+        pen.path.finish()
     }
 
     /// A text in lines no longer than `room` [mm], cut between words, and in words that are longer.
@@ -102,33 +126,61 @@ impl Type {
 const FILES: [&[u8]; 2] =
     [include_bytes!("fonts/Inter-Regular.otf"), include_bytes!("fonts/Inter-SemiBold.otf")];
 
-type Advance = Box<dyn Fn(char) -> f64 + Send + Sync>;
+/// A font, if it can be read.
+struct Font(Option<Face<'static>>);
 
-struct Fonts {
-    database: Arc<fontdb::Database>,
-    /// Widths of letters in parts of the size: regular and semi-bold.
-    advances: [Advance; 2],
-}
+/// Regular and semi-bold.
+static FONTS: LazyLock<[Font; 2]> = LazyLock::new(|| FILES.map(|file| Font(Face::parse(file, 0).ok())));
 
-static FONTS: LazyLock<Fonts> = LazyLock::new(|| {
-    let mut database = fontdb::Database::new();
-    FILES.iter().for_each(|file| database.load_font_data(file.to_vec()));
-    Fonts { database: Arc::new(database), advances: FILES.map(advance) }
-});
-
-/// The widths of a font's letters; half a square for what it does not have.
-fn advance(file: &'static [u8]) -> Advance {
-    let Ok(face) = ttf_parser::Face::parse(file, 0) else { return Box::new(|_| 0.5) };
-    let scale = 1.0 / f64::from(face.units_per_em());
-    Box::new(move |letter| {
+impl Font {
+    /// The width of a letter in parts of the size; half of it for what the font does not have.
+    fn advance(&self, letter: char) -> f64 {
+        let Some(face) = &self.0 else { return 0.5 };
         let units = face.glyph_index(letter).and_then(|glyph| face.glyph_hor_advance(glyph));
-        units.map_or(0.5, |units| f64::from(units) * scale)
-    })
+        units.map_or(0.5, |units| f64::from(units) / f64::from(face.units_per_em()))
+    }
 }
 
-/// All fonts that figures use.
-pub fn database() -> Arc<fontdb::Database> {
-    FONTS.database.clone()
+/// Draws letters from units of the font to a place.
+struct Pen {
+    path: PathBuilder,
+    /// Of a unit of the font [mm].
+    scale: f64,
+    /// Where the text is put [mm].
+    at: [f64; 2],
+    /// How far along the text the letter begins [mm].
+    along: f64,
+    upright: bool,
+}
+
+impl Pen {
+    fn place(&self, x: f32, y: f32) -> [f32; 2] {
+        let (u, v) = (self.along + f64::from(x) * self.scale, f64::from(y) * self.scale);
+        let [x, y] = if self.upright { [-v, -u] } else { [u, -v] };
+        [(self.at[0] + x) as f32, (self.at[1] + y) as f32]
+    }
+}
+
+impl OutlineBuilder for Pen {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let [x, y] = self.place(x, y);
+        self.path.move_to(x, y);
+    }
+    fn line_to(&mut self, x: f32, y: f32) {
+        let [x, y] = self.place(x, y);
+        self.path.line_to(x, y);
+    }
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        let ([x1, y1], [x, y]) = (self.place(x1, y1), self.place(x, y));
+        self.path.quad_to(x1, y1, x, y);
+    }
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let ([x1, y1], [x2, y2], [x, y]) = (self.place(x1, y1), self.place(x2, y2), self.place(x, y));
+        self.path.cubic_to(x1, y1, x2, y2, x, y);
+    }
+    fn close(&mut self) {
+        self.path.close();
+    }
 }
 
 /// The name of the font, and what takes its place where it is not.

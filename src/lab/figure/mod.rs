@@ -4,6 +4,7 @@
 pub mod axis;
 pub mod colors;
 pub mod font;
+mod ink;
 mod png;
 mod svg;
 

@@ -1,6 +1,5 @@
-//! Figures as pixels: images are drawn by themselves, all else over them.
-use super::{Color, Figure, Mark, font};
-use resvg::{tiny_skia, usvg};
+//! Figures as pixels: images, and all else over them.
+use super::{Color, Figure, Mark, ink};
 
 /// An image of pixels.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,10 +41,9 @@ impl Figure {
                 paint(&mut pixmap, at.map(|mm| mm / 25.4 * dpi), size.map(|mm| mm / 25.4 * dpi), raster);
             }
         }
-        let options = usvg::Options { fontdb: font::database(), ..usvg::Options::default() };
-        let tree = usvg::Tree::from_str(&self.overlay()?, &options).map_err(|error| error.to_string())?;
-        let scale = [width as f32 / tree.size().width(), height as f32 / tree.size().height()];
-        resvg::render(&tree, tiny_skia::Transform::from_scale(scale[0], scale[1]), &mut pixmap.as_mut());
+        let [x, y] = [width as f64 / self.size[0], height as f64 / self.size[1]];
+        let scale = tiny_skia::Transform::from_scale(x as f32, y as f32);
+        self.marks.iter().for_each(|mark| ink::draw(&mut pixmap, mark, scale));
         let pixels = pixmap.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect();
         Ok(Raster { size: [width, height], pixels })
     }

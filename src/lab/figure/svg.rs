@@ -1,5 +1,5 @@
 //! Figures as SVG.
-use super::{Anchor, Figure, Mark, Raster, Type, font};
+use super::{Anchor, Figure, Mark, Type, font};
 use base64::Engine;
 use std::fmt::Write;
 
@@ -9,18 +9,6 @@ impl Figure {
     /// # Errors
     /// If an image cannot be encoded.
     pub fn to_svg(&self) -> Result<String, String> {
-        self.compose(|raster| {
-            let png = base64::engine::general_purpose::STANDARD.encode(raster.to_png(0.0)?);
-            Ok(format!("data:image/png;base64,{png}"))
-        })
-    }
-
-    /// The figure without images and without a ground, to be drawn over them.
-    pub fn overlay(&self) -> Result<String, String> {
-        self.compose(|_| Ok(String::new()))
-    }
-
-    fn compose(&self, image: impl Fn(&Raster) -> Result<String, String>) -> Result<String, String> {
         let [width, height] = self.size.map(short);
         let mut out = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}mm\" height=\"{height}mm\" viewBox=\"0 0 {width} {height}\" \
@@ -30,14 +18,13 @@ impl Figure {
         for mark in &self.marks {
             match mark {
                 Mark::Image { at, size, raster } => {
-                    let link = image(raster)?;
-                    if !link.is_empty() {
-                        let ([x, y], [w, h]) = (at.map(short), size.map(short));
-                        let _ = writeln!(
-                            out,
-                            "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" preserveAspectRatio=\"none\" href=\"{link}\"/>"
-                        );
-                    }
+                    let png = base64::engine::general_purpose::STANDARD.encode(raster.to_png(0.0)?);
+                    let ([x, y], [w, h]) = (at.map(short), size.map(short));
+                    let _ = writeln!(
+                        out,
+                        "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" preserveAspectRatio=\"none\" \
+                         href=\"data:image/png;base64,{png}\"/>"
+                    );
                 }
                 other => write_mark(&mut out, other),
             }
