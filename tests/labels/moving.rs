@@ -93,7 +93,7 @@ fn those_that_stay_keep_all_their_numbers() {
         // the last ones take the places of those that leave
         let kept = count - leaving.len();
         let mut last = (kept..count).filter(|p| !leaving.contains(p));
-        leaving.iter().filter(|&&p| p < kept).for_each(|&p| wanted[p] = last.next().unwrap());
+        leaving.iter().filter(|&&p| p < kept).for_each(|&p| wanted[p] = last.next().expect("as many"));
         wanted.truncate(kept);
         block.remove(&layout, REST, &leaving);
         (count..count + more).for_each(|who| push(&mut block, who));
