@@ -12,6 +12,7 @@ use super::particles::ParticleBlock;
 use super::shared::Shared;
 use crate::schema::{LabelId, Schema, Tiles};
 use grid::{BlockIndex, Decomposition, Level, Partition};
+use simd::LANES;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -66,6 +67,28 @@ impl ParticlePatch {
         self.layers.fill(self.blocks.iter().map(|block| block.index[0]));
     }
 
+    /// The block with an index, which is made if it is not there.
+    fn block(&mut self, index: BlockIndex, nodes: &NodeLayout) -> &mut ParticleBlock {
+        let Self { blocks, lookup, .. } = self;
+        let position = *lookup.entry(index).or_insert_with(|| {
+            blocks.push(ParticleBlock::new(index, nodes));
+            blocks.len() as u32 - 1
+        });
+        &mut blocks[position as usize]
+    }
+
+    /// Makes room in a block for so many more particles of a material.
+    pub fn reserve(
+        &mut self,
+        (level, data, nodes): (&Level, &MaterialData, &NodeLayout),
+        index: BlockIndex,
+        particles: usize,
+    ) {
+        let block = self.block(index, nodes);
+        let tiles = (block.count + particles).div_ceil(LANES);
+        block.reserve(&data.layout, level.middle(index), tiles);
+    }
+
     /// Adds a particle of a material at `x` to the block where it belongs; whether that is a new one.
     pub fn push(
         &mut self,
@@ -74,15 +97,9 @@ impl ParticlePatch {
         x: [f64; 3],
         record: &[f64],
     ) -> bool {
-        let Self { blocks, lookup, .. } = self;
-        let before = blocks.len();
-        let position = *lookup.entry(index).or_insert_with(|| {
-            blocks.push(ParticleBlock::new(index, nodes));
-            before as u32
-        });
-        let base = level.base(x, data.half_size);
-        blocks[position as usize].push(&data.layout, level.middle(index), base, record);
-        blocks.len() > before
+        let (before, base) = (self.blocks.len(), level.base(x, data.half_size));
+        self.block(index, nodes).push(&data.layout, level.middle(index), base, record);
+        self.blocks.len() > before
     }
 
     /// The blocks in some layers along x.
