@@ -15,7 +15,7 @@ use engine::program::Program;
 use engine::schema::{Label, LabelId, Tiles};
 use grid::{BLOCK, BlockIndex, Decomposition, IndexBox, Partition, REACH};
 use physics::law::Reference;
-use scene::sampling::{Numbering, Pencils, Span};
+use scene::sampling::{Numbering, Pencils, Span, size};
 use scene::{Rates, Scene};
 use tasks::labels::RigidMotion as RigidMotionLabel;
 use tasks::labels::{History, Identity, InitialPosition, Mass, Position, SCHEMA, Time, Velocity};
@@ -78,14 +78,20 @@ fn fill(
         for (maker, blocks) in makers.iter().zip(&blocks) {
             let (Some(numbering), Some(blocks)) = (roll.of(maker.index), blocks) else { continue };
             let mut list = Vec::new();
-            blocks.visit(reach, &mut |index, points, _| list.push((index, points)));
+            let (home, data) = (&mut homes[maker.material], &materials[maker.material]);
+            let into = (level, data, &*node_layout);
+            blocks.visit(reach, &mut |index, points, all| {
+                if all {
+                    home.reserve(into, index, size(&points) as usize);
+                }
+                list.push((index, points));
+            });
             if list.is_empty() {
                 continue;
             }
             let (mut maker, first) = (maker.clone(), roll.identities(maker.index).start);
-            let (home, data) = (&mut homes[maker.material], &materials[maker.material]);
             fill_blocks(numbering, list, &mut |index, number, x| {
-                home.push((level, data, &*node_layout), index, x, maker.make(first + number, x));
+                home.push(into, index, x, maker.make(first + number, x));
             });
             *clash = [*clash, maker.clash].into_iter().flatten().min();
         }

@@ -12,6 +12,7 @@ use super::particles::ParticleBlock;
 use super::shared::Shared;
 use crate::schema::{LabelId, Schema, Tiles};
 use grid::{BlockIndex, Decomposition, Level, Partition};
+use simd::LANES;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -64,6 +65,19 @@ impl ParticlePatch {
         self.lookup.clear();
         self.lookup.extend(self.blocks.iter().map(|block| block.index).zip(0..));
         self.layers.fill(self.blocks.iter().map(|block| block.index[0]));
+    }
+
+    /// Makes room in a block for so many more particles of a material.
+    pub fn reserve(
+        &mut self,
+        (level, data, nodes): (&Level, &MaterialData, &NodeLayout),
+        index: BlockIndex,
+        particles: usize,
+    ) {
+        let (position, _) = self.position(index, nodes);
+        let block = &mut self.blocks[position];
+        let tiles = (block.count + particles).div_ceil(LANES);
+        block.reserve(&data.layout, level.middle(index), tiles);
     }
 
     /// Adds a particle of a material at `x` to the block where it belongs; whether that is a new one.
