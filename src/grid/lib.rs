@@ -29,6 +29,11 @@ pub struct IndexBox {
 }
 
 impl IndexBox {
+    /// The box of one index.
+    pub fn of(index: [i32; 3]) -> Self {
+        Self { lower: index, upper: index.map(|i| i + 1) }
+    }
+
     /// Indices on each axis.
     pub fn size(&self) -> [usize; 3] {
         std::array::from_fn(|a| (self.upper[a] - self.lower[a]).max(0) as usize)

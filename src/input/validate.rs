@@ -207,6 +207,10 @@ fn particles_of_a_cell(body: &Body) -> f64 {
 /// No particle of either body lies in the other.
 fn apart(domain: &Domain, a: &Body, b: &Body, node: &Node) -> Outcome<()> {
     let shared = overlap(overlap(a.solid.bounds(), b.solid.bounds()), inside(domain));
+    // of many bodies, most are far from one another
+    if size(&cells(domain, shared)) == 0.0 {
+        return Ok(());
+    }
     let meeting = |body: &Body, other: &Body| {
         let both = Solid::Intersection(vec![body.solid.clone(), other.solid.clone()]);
         Filling::new(domain, body.particles_per_cell, both, shared).any()

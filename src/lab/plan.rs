@@ -3,6 +3,7 @@ use crate::simulation::start::place_bodies;
 use crate::simulation::{layout, populate, step_program};
 use engine::data::layout::ParticleLayout;
 use engine::data::warehouse::Warehouse;
+use engine::exec::Serial;
 use engine::exec::ranks::Alone;
 use engine::exec::traffic;
 use engine::graph::error::GraphError;
@@ -77,6 +78,6 @@ pub fn outline(scene: &Scene, decomposition: Decomposition) -> Warehouse {
             let _ = warehouse.insert(body.material, x, &[]);
         }
     }
-    warehouse.activate(&engine::data::spread::Alone);
+    warehouse.activate(&Serial);
     warehouse
 }

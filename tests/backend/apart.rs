@@ -4,6 +4,7 @@ use engine::data::fields::FieldId;
 use engine::data::layout::NodeLayout;
 use engine::data::nodes::NodeBlock;
 use engine::data::particles::ParticleBlock;
+use engine::data::spread::Spread;
 use engine::data::warehouse::MaterialData;
 use engine::exec::backend::Purpose;
 use engine::exec::ranks::halos::{Incoming, Outgoing};
@@ -190,6 +191,12 @@ impl Apart {
         self.pass(data, &sums, &|label| reads(label) || writes(label), true);
         Serial.run(call, phase, which, data);
         self.pass(data, &|_| false, &writes, false);
+    }
+}
+
+impl Spread for Apart {
+    fn spread(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        Serial.spread(count, work);
     }
 }
 

@@ -1,5 +1,5 @@
 //! Every vector does in each lane what its documentation says, bit for bit, on every instruction set.
-use crate::common::instruction_sets;
+use crate::common::{Random, instruction_sets};
 use simd::{Isa, Job, LANES, Mask, Simd, Wide};
 
 type Line = [f64; LANES];
@@ -111,14 +111,10 @@ fn expected([a, b, c]: &[Line; 3]) -> Results {
 /// Numbers of all sizes and signs, with those that are special in every lane.
 fn lines() -> Vec<[Line; 3]> {
     let special = [0.0, -0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.5, -2.5, 3.0, 1e-310, 4e300];
-    let mut state = 0x9E37_79B9_7F4A_7C15u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let number = state >> 33;
-        match number % 4 {
-            0 => special[(number / 4) as usize % special.len()],
-            n => (number as f64 / 2e8 - 5.0) * 10f64.powi(4 * n as i32 - 8),
-        }
+    let mut random = Random(1);
+    let mut next = || match random.within(0.0, 4.0) as i32 {
+        0 => special[random.within(0.0, special.len() as f64) as usize],
+        n => random.within(-5.0, 5.0) * 10f64.powi(4 * n - 8),
     };
     (0..4000).map(|_| std::array::from_fn(|_| std::array::from_fn(|_| next()))).collect()
 }

@@ -89,7 +89,7 @@ fn sent(
 fn counted(start: &Start, layout: &Layout) -> Traffic {
     let alone = Layout { ranks: 1, of: [vec![0; layout.of[0].len()], Vec::new()], ..layout.clone() };
     let mut warehouse = warehouse(start, &alone, &toy(start, layout), 0);
-    warehouse.activate(&engine::data::spread::Alone);
+    warehouse.activate(&Serial);
     traffic::count(&warehouse, &Partition::new(layout.of[0].clone(), 0, layout.ranks))
 }
 

@@ -25,9 +25,9 @@ impl Warehouse {
             let homes = self.particles.iter().map(move |patch| &patch[m].blocks);
             homes.map(|blocks| blocks.iter().map(|block| block.index))
         };
-        let mut homes: Vec<_> = (0..self.materials.len()).map(|m| (m, None)).collect();
-        each_of(spread, &mut homes, 1, |(m, home)| *home = Some(Map::of_places(indices(*m))));
-        let homes: Vec<_> = homes.into_iter().filter_map(|(_, home)| home).collect();
+        let mut homes: Vec<_> = self.materials.iter().map(|_| Map::new(1, NOWHERE)).collect();
+        let mut numbered: Vec<_> = homes.iter_mut().enumerate().collect();
+        each_of(spread, &mut numbered, 1, |(m, home)| **home = Map::of_places(indices(*m)));
         self.link(&homes, spread);
         self.mark_meeting(&homes);
         self.mark_near();
@@ -154,10 +154,7 @@ impl Warehouse {
     /// materials have rates of their own, before their own step ends.
     fn mark_meeting(&mut self, homes: &[Map<Place>]) {
         let apart = self.sight();
-        let cube = |index: BlockIndex| IndexBox {
-            lower: index.map(|i| i - apart),
-            upper: index.map(|i| i + apart + 1),
-        };
+        let cube = |index: BlockIndex| IndexBox::of(index).grown(apart);
         let count = |m: usize| self.particles.iter().map(|patch| patch[m].blocks.len()).sum::<usize>();
         let counts: Vec<usize> = (0..homes.len()).map(count).collect();
         for (m, _) in self.materials.iter().enumerate().filter(|(m, material)| material.interacts[*m]) {

@@ -172,8 +172,7 @@ impl Map<Place> {
             }
             return places;
         }
-        let cube = IndexBox { lower, upper: index.map(|i| i + 2) };
-        for (part, first) in self.parts(cube) {
+        for (part, first) in self.parts(IndexBox::of(index).grown(1)) {
             for block in part.iter() {
                 let q = (0..3).fold(0, |q, a| 3 * q + (block[a] - lower[a]) as usize);
                 places[q] = self.cells[first + within(block)];

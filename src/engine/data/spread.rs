@@ -4,16 +4,7 @@ use std::sync::{Mutex, PoisonError};
 /// Who does it: one after the other, or side by side.
 pub trait Spread: Sync {
     /// Runs `work` for all numbers below `count`, each once and in any order.
-    fn each(&self, count: usize, work: &(dyn Fn(usize) + Sync));
-}
-
-/// One after the other.
-pub struct Alone;
-
-impl Spread for Alone {
-    fn each(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
-        (0..count).for_each(work);
-    }
+    fn spread(&self, count: usize, work: &(dyn Fn(usize) + Sync));
 }
 
 /// Pieces that a worker takes at once: looking for the next one should cost little beside them.
@@ -23,7 +14,7 @@ const AT_ONCE: usize = 64;
 pub fn each_of<T: Send>(spread: &dyn Spread, items: &mut [T], at_once: usize, work: impl Fn(&mut T) + Sync) {
     // a lock says who has a piece; nobody ever waits for it
     let pieces: Vec<Mutex<&mut [T]>> = items.chunks_mut(at_once).map(Mutex::new).collect();
-    spread.each(pieces.len(), &|n| {
+    spread.spread(pieces.len(), &|n| {
         let mut piece = pieces[n].lock().unwrap_or_else(PoisonError::into_inner);
         piece.iter_mut().for_each(&work);
     });

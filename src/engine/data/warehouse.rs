@@ -255,11 +255,9 @@ impl Warehouse {
     /// # Errors
     /// A position outside the level.
     pub fn insert(&mut self, material: usize, x: [f64; 3], record: &[f64]) -> Result<(), OutsideLevel> {
-        let [patch, material, at] = self.make_room(material, x)?;
-        let data = &self.materials[material];
-        let block = &mut self.particles[patch][material].blocks[at];
-        let (rest, base) = (self.level.middle(block.index), self.level.base(x, data.half_size));
-        block.push(&data.layout, rest, base, record);
+        let (index, patch) = self.home(material, x)?;
+        let of = (&self.level, &self.materials[material], &self.node_layout);
+        self.reactivate |= self.particles[patch][material].push(of, index, x, record);
         Ok(())
     }
 

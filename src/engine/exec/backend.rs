@@ -1,21 +1,18 @@
 //! Where stages run, and where the labels of blocks are meanwhile.
 use super::Executor;
-use super::moves::{Departure, Move};
 use super::ranks::halos::{Incoming, Outgoing};
 use super::work::{self, Blocks, Call, Which};
 use crate::data::spread::Spread;
-use crate::data::warehouse::Warehouse;
 use crate::graph::exchange::Exchange;
 use crate::graph::phase::Phase;
-use simd::Isa;
 
 /// Runs stages on blocks. A stage says which labels it reads and writes, and of which blocks around; a backend may have them
 /// in memory of its own, and hands them to the host only where the host asks: see [`Backend::download`]. What a block is, and
 /// which blocks there are, the host knows always.
 ///
 /// Every [`Executor`] is a backend whose memory is the host's. What passes between ranks is the business of
-/// [`ranks::Network`](super::ranks::Network).
-pub trait Backend: Send + Sync {
+/// [`ranks::Network`](super::ranks::Network). Work of the host that is no stage it only spreads.
+pub trait Backend: Spread + Send {
     /// Number of workers, each with a scratch of its own.
     fn workers(&self) -> usize;
 
@@ -32,21 +29,6 @@ pub trait Backend: Send + Sync {
 
     /// Puts partial sums of another rank's blocks in their place.
     fn unpack(&self, incoming: &mut [Incoming<'_>]);
-
-    /// Finds the particles that leave blocks: work of the host.
-    fn depart(&self, departures: &mut [Departure<'_>], warehouse: &Warehouse, isa: Isa) {
-        departures.iter_mut().for_each(|it| it.find(warehouse, isa));
-    }
-
-    /// Moves particles out of blocks and into them: work of the host.
-    fn carry(&self, moves: &mut [Move<'_>]) {
-        moves.iter_mut().for_each(Move::carry_out);
-    }
-
-    /// Runs `work` for all numbers below `count`, each once and in any order: work of the host.
-    fn spread(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
-        (0..count).for_each(work);
-    }
 
     /// The host is about to read labels of blocks, and perhaps to write them.
     fn download(&self, _purpose: Purpose<'_>, _data: &mut Blocks<'_>) {}
@@ -91,26 +73,11 @@ impl<E: Executor> Backend for E {
     fn unpack(&self, incoming: &mut [Incoming<'_>]) {
         self.each(incoming, |_, it| it.unpack());
     }
+}
 
-    fn depart(&self, departures: &mut [Departure<'_>], warehouse: &Warehouse, isa: Isa) {
-        self.each(departures, |_, it| it.find(warehouse, isa));
-    }
-
-    fn carry(&self, moves: &mut [Move<'_>]) {
-        self.each(moves, |_, it| it.carry_out());
-    }
-
+impl<E: Executor> Spread for E {
     fn spread(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
         let mut numbers: Vec<usize> = (0..count).collect();
         self.each(&mut numbers, |_, &mut number| work(number));
-    }
-}
-
-/// A backend as who does the host's work.
-pub struct Host<'a>(pub &'a dyn Backend);
-
-impl Spread for Host<'_> {
-    fn each(&self, count: usize, work: &(dyn Fn(usize) + Sync)) {
-        self.0.spread(count, work);
     }
 }

@@ -9,6 +9,7 @@ use super::recorder::Recorder;
 use super::trace::{Event, Kind};
 use super::traveler::Traveler;
 use crate::data::shared::Shared;
+use crate::data::spread::each_of;
 use crate::data::warehouse::{MaterialData, Warehouse};
 use crate::graph::build::TaskGraph;
 use simd::{Isa, Wide};
@@ -143,7 +144,7 @@ impl Relocation {
                 left.extend(blocks.map(|(at, block)| Departure::new([patch, material, at], block)));
             }
         }
-        backend.depart(&mut left, warehouse, isa);
+        each_of(backend, &mut left, 1, |it| it.find(warehouse, isa));
         let (mut travelers, mut lost) = (Vec::new(), Vec::new());
         for Departure { place, block, positions, travelers: own, lost: gone } in left {
             relocation.news |= keeps && positions.len() == block.count;
@@ -291,7 +292,7 @@ impl Relocation {
             };
             moves.push(Move { level, data: &materials[place[1]], block, leaving, arriving });
         }
-        backend.carry(&mut moves);
+        each_of(backend, &mut moves, 1, Move::carry_out);
         warehouse.reactivate |= self.news;
     }
 }

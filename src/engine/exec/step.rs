@@ -1,5 +1,5 @@
 //! Runs graphs: the segments of a tick, one after the other.
-use super::backend::{Backend, Host, Purpose};
+use super::backend::{Backend, Purpose};
 use super::buffers::Buffers;
 use super::exchange::Exchanges;
 use super::lending::{begin, collect, lend};
@@ -199,7 +199,7 @@ impl Engine {
         }
         let began = self.trace.now();
         self.backend.download(Purpose::Activation, &mut Blocks::of(warehouse));
-        self.metered(What::Activation, || warehouse.activate(&Host(&*self.backend)));
+        self.metered(What::Activation, || warehouse.activate(&*self.backend));
         self.backend.upload(Purpose::Activation, &mut Blocks::of(warehouse));
         self.trace.record(0, began, Event::other(Kind::Arrange));
         if network.size() > 1 {

@@ -48,7 +48,7 @@ impl<'a> Around<'a> {
     fn announce(&self, q: usize) {
         if let Some((partial, pencils)) = self.partial(q) {
             for (_, there) in pencils {
-                lines(there, self.width).for_each(|line| prefetch(&partial[line..], 0));
+                lines(there, self.width).for_each(|line| prefetch(partial, line));
             }
         }
     }

@@ -7,6 +7,7 @@ use engine::data::nodes::{NOWHERE, is_there};
 use engine::data::particles::ParticleBlock;
 use engine::data::schedule::Schedule;
 use engine::data::warehouse::{NodePatch, ParticlePatch};
+use engine::exec::Serial;
 use engine::exec::buffers::Buffers;
 use engine::exec::halo::{Pencils, back, lines, pencils};
 use engine::exec::scratch::Scratch;
@@ -28,7 +29,7 @@ pub fn order(simulation: &mut Simulation) -> Order {
     let (count, isa) = (simulation.warehouse.particle_count() as f64, simulation.isa());
     let (graph, warehouse) = (simulation.program.main_graph(), &mut simulation.warehouse);
     if warehouse.reactivate {
-        warehouse.activate(&engine::data::spread::Alone);
+        warehouse.activate(&Serial);
     }
     let (slabs, materials) = (wave::slabs(warehouse, 1), warehouse.materials.len());
     let (schedule, buffers) = (Schedule::everyone(materials), Buffers::default());

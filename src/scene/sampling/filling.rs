@@ -201,7 +201,7 @@ fn longest(span: &Span) -> usize {
 }
 
 /// A box in two along an axis.
-fn halves(span: &Span, axis: usize) -> [Span; 2] {
+pub(super) fn halves(span: &Span, axis: usize) -> [Span; 2] {
     let middle = span[axis].start + (span[axis].end - span[axis].start) / 2;
     let (mut first, mut second) = (span.clone(), span.clone());
     (first[axis].end, second[axis].start) = (middle, middle);

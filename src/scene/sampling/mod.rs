@@ -47,19 +47,14 @@ pub fn points(
     solid: &Solid,
     limits: Bounds,
 ) -> impl Iterator<Item = [f64; 3]> {
-    let [xs, ys, zs] = cells(domain, overlap(solid.bounds(), limits));
     let Domain { lower, cell, .. } = *domain;
     let at = move |a: usize, c: i64, i: usize| lower[a] + (c as f64 + (i as f64 + 0.5) / n[a] as f64) * cell;
     let cell_points = move |c: [i64; 3]| {
         let each = move |i: usize| [i / (n[1] * n[2]), i / n[2] % n[1], i % n[2]];
         (0..n.iter().product()).map(move |i| std::array::from_fn(|a| at(a, c[a], each(i)[a])))
     };
-    xs.flat_map(move |x| {
-        let zs = zs.clone();
-        ys.clone().flat_map(move |y| zs.clone().map(move |z| [x, y, z]))
-    })
-    .flat_map(cell_points)
-    .filter(|x| solid.contains(*x))
+    let cells = points_of(&cells(domain, overlap(solid.bounds(), limits)));
+    cells.flat_map(cell_points).filter(|x| solid.contains(*x))
 }
 
 /// N₀: the faces of the particle at `x` [m] of a body (by its index) that no other of its material covers, as far as their sides (x−, x+, …)

@@ -1,5 +1,5 @@
 //! Which number each particle of a body has, without a look at all those before it.
-use super::filling::{Filling, Span, common, size};
+use super::filling::{Filling, Span, common, halves, size};
 use std::ops::{ControlFlow, Range};
 
 /// The particles of a body by their numbers in the order of [`super::sample`]. Counted are rows of cells, each through the whole
@@ -203,14 +203,11 @@ impl Numbering {
             }
             return;
         }
-        let halves = in_order(cells);
-        let end = first + self.count_cells(&halves[0]);
-        let [below, above] = {
-            let (below, above) = wanted.split_at(wanted.partition_point(|(number, _)| *number < end));
-            [below, above]
-        };
-        self.find(&halves[0], first, below, each);
-        self.find(&halves[1], end, above, each);
+        let [former, latter] = in_order(cells);
+        let end = first + self.count_cells(&former);
+        let (below, above) = wanted.split_at(wanted.partition_point(|(number, _)| *number < end));
+        self.find(&former, first, below, each);
+        self.find(&latter, end, above, each);
     }
 
     /// Visits the boxes of particles of a row: as [`Filling::pieces`].
@@ -225,10 +222,7 @@ impl Numbering {
 /// Cells in two, such that all of the first come before those of the second.
 fn in_order(cells: &Span) -> [Span; 2] {
     let axis = (0..3).find(|&a| cells[a].end - cells[a].start > 1).unwrap_or(2);
-    let middle = cells[axis].start + (cells[axis].end - cells[axis].start) / 2;
-    let (mut first, mut second) = (cells.clone(), cells.clone());
-    (first[axis].end, second[axis].start) = (middle, middle);
-    [first, second]
+    halves(cells, axis)
 }
 
 /// How far the pencils of cells along z are counted above which blocks are filled one after the other.

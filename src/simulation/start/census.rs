@@ -56,7 +56,9 @@ impl<'a> Blocks<'a> {
         }
         match self.filling.holds(&points) {
             Some(false) => {}
-            Some(true) => blocks.iter().for_each(|index| each(index, self.points(&one(index)), true)),
+            Some(true) => {
+                blocks.iter().for_each(|index| each(index, self.points(&IndexBox::of(index)), true))
+            }
             None if blocks.len() == 1 => each(blocks.lower, points, false),
             None => halves(&blocks).iter().for_each(|half| self.visit(half, each)),
         }
@@ -75,10 +77,6 @@ impl<'a> Blocks<'a> {
         (upper[0], upper[1]) = (lower[0] + 1, lower[1] + 1);
         IndexBox { lower, upper }
     }
-}
-
-fn one(index: BlockIndex) -> IndexBox {
-    IndexBox { lower: index, upper: index.map(|i| i + 1) }
 }
 
 /// Blocks in two along their longest axis.

@@ -2,6 +2,7 @@
 use crate::input::{BYTES_PER_PARTICLE, available_memory};
 use crate::simulation::RunError;
 use engine::exec::ranks::{Network, NetworkError, collective, launch};
+use twox_hash::XxHash3_128;
 
 /// What a rank has to hold, and where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,10 +25,7 @@ impl Share {
 
 /// A number of this machine.
 fn machine() -> u64 {
-    // FNV-1a
-    launch::host()
-        .bytes()
-        .fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3))
+    XxHash3_128::oneshot(launch::host().as_bytes()) as u64
 }
 
 /// The shares of all ranks.
