@@ -27,6 +27,11 @@ impl Kept {
         self.head.steps
     }
 
+    /// How far the files of the run had come.
+    pub fn recorded(&self) -> &Recorded {
+        &self.head.recorded
+    }
+
     /// Writes it as a checkpoint, from rank 0. All ranks call it.
     ///
     /// # Errors

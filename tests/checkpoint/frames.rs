@@ -3,6 +3,7 @@ use crate::ranks::together;
 use crate::*;
 use sinew::output::vtkhdf;
 use std::collections::BTreeSet;
+use std::time::Duration;
 
 /// Frames after each step, a checkpoint after every fifth.
 const EVERY: Overrides<'static> = &[
@@ -31,10 +32,15 @@ fn record(network: Box<dyn Network>, out: &Path, stop: Option<u64>, obstacle: &P
         let recorder = ok(Recorder::create(out, &mut simulation));
         (simulation, recorder)
     };
-    if simulation.network().rank() == 0 && obstacle.parent().is_some() {
+    let hindered = obstacle.parent().is_some();
+    if simulation.network().rank() == 0 && hindered {
         ok(std::fs::create_dir(obstacle));
     }
     while ok(simulation.step()) {
+        if hindered && simulation.steps() == 8 {
+            // so that a state is kept, as now and then, while the frame that fails is on its way
+            std::thread::sleep(Duration::from_millis(300));
+        }
         let stops = stop == Some(simulation.steps());
         match recorder.step(&mut simulation, stops) {
             Ok(Next::Go) => {}

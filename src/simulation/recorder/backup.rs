@@ -48,12 +48,17 @@ impl Backup {
         Ok(())
     }
 
-    /// Writes what was kept, if no checkpoint is later. All ranks call it.
+    /// Writes what was kept, if no checkpoint is later and the files that it counts on are there. All ranks call it.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn write(self, folder: &Path, simulation: &mut Simulation) -> output::Result<()> {
-        let Some(kept) = self.kept else { return Ok(()) };
+    pub fn write(
+        self,
+        folder: &Path,
+        simulation: &mut Simulation,
+        there: impl Fn(&Recorded) -> bool,
+    ) -> output::Result<()> {
+        let Some(kept) = self.kept.filter(|kept| there(kept.recorded())) else { return Ok(()) };
         let path = checkpoint::path(folder, kept.steps());
         let mut later = [u64::from(simulation.network().rank() == 0 && is_there(folder, &path))];
         engine::exec::ranks::collective::sum(simulation.network(), &mut later)?;

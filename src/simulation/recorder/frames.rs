@@ -26,6 +26,8 @@ pub struct Frames {
     sees: Vec<bool>,
     /// Number of the next frame.
     next: u64,
+    /// How many of the first frames are there, with none missing between them.
+    whole: u64,
     flight: Flight,
     /// On rank 0, while it is not at work.
     writer: Option<Writer>,
@@ -43,7 +45,10 @@ enum Flight {
         mine: Option<(FileId, Job<output::Result<Part>>)>,
     },
     /// The index, on rank 0.
-    Index(Option<Job<(Writer, output::Result<()>)>>),
+    Index {
+        number: u64,
+        job: Option<Job<(Writer, output::Result<()>)>>,
+    },
 }
 
 /// One that has begun, or why it could not.
@@ -68,7 +73,8 @@ impl Frames {
         let writing = RunId::common(network)?;
         let sees = seen::folder(network, index, writing)?;
         let (index, unsynced) = (index.into(), Vec::new());
-        Ok(Self { index, run, writing, sees, next, flight: Flight::Nothing, writer, unsynced })
+        let flight = Flight::Nothing;
+        Ok(Self { index, run, writing, sees, next, whole: next, flight, writer, unsynced })
     }
 
     /// Number of frames that were begun so far, whether all are still there or not.
@@ -76,12 +82,17 @@ impl Frames {
         self.next
     }
 
+    /// Whether the first `count` frames are written and named.
+    pub fn has(&self, count: u64) -> bool {
+        self.whole >= count
+    }
+
     /// Whether something is on its way, and this rank has done its part of that. For one rank.
     pub fn is_done(&self) -> bool {
         match &self.flight {
             Flight::Nothing => false,
             Flight::Parts { mine, .. } => mine.as_ref().is_none_or(|(_, job)| is_done(job)),
-            Flight::Index(job) => job.as_ref().is_none_or(is_done),
+            Flight::Index { job, .. } => job.as_ref().is_none_or(is_done),
         }
     }
 
@@ -194,16 +205,19 @@ impl Frames {
                 };
                 self.unsynced.extend(path);
                 let parts = gather(network, part)?;
-                self.flight = Flight::Index(self.name(network.admits_threads(), (number, head), parts));
+                let job = self.name(network.admits_threads(), (number, head), parts);
+                self.flight = Flight::Index { number, job };
                 Ok(())
             }
-            Flight::Index(job) => {
+            Flight::Index { number, job } => {
                 let named = job.map_or(Ok(()), |job| {
                     let (writer, named) = job?.end().unzip();
                     self.writer = writer;
                     named.unwrap_or(Ok(()))
                 });
-                together::agree(network, named)
+                together::agree(network, named)?;
+                self.whole += u64::from(number == self.whole);
+                Ok(())
             }
         }
     }

@@ -352,7 +352,11 @@ impl Recorder {
                 // the error that matters is the one that ended the run
                 let _ = self.settle(simulation);
                 let backup = std::mem::replace(&mut self.backup, Backup::new());
-                let _ = backup.write(&self.folder, simulation);
+                // a frame that was on its way when the state was kept may be the one that failed
+                let there = |recorded: &Recorded| {
+                    self.frames.as_ref().is_none_or(|frames| frames.has(recorded.frames))
+                };
+                let _ = backup.write(&self.folder, simulation, there);
                 let _ = self.frame(simulation).and_then(|()| self.settle(simulation));
                 (Status::Failed, Some(error))
             }
