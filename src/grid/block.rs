@@ -39,6 +39,16 @@ pub struct BlockShape {
     pub shared: [[SharedNodes; 3]; 3],
 }
 
+/// All shapes: one bit an axis, set where it is collapsed.
+static SHAPES: [BlockShape; 8] = {
+    let (mut shapes, mut number) = ([BlockShape::FULL; 8], 0);
+    while number < 8 {
+        shapes[number] = BlockShape::new([number & 4 != 0, number & 2 != 0, number & 1 != 0]);
+        number += 1;
+    }
+    shapes
+};
+
 /// Nodes of a block that lie in a buffer, along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SharedNodes {
@@ -70,31 +80,35 @@ impl SharedNodes {
 
 impl BlockShape {
     /// The shape on a level without a collapsed axis: what the compiler knows of most levels.
-    pub const FULL: Self = Self {
-        nodes: [BLOCK; 3],
-        node_strides: [BLOCK * BLOCK, BLOCK, 1],
-        node_shifts: [2 * BLOCK.trailing_zeros(), BLOCK.trailing_zeros(), 0],
-        buffer: [BUFFER; 3],
-        buffer_strides: [BUFFER * BUFFER, BUFFER, 1],
-        below: [BELOW; 3],
-        shared: [SharedNodes::all(BLOCK, BUFFER, BELOW); 3],
-    };
+    pub const FULL: Self = Self::new([false; 3]);
 
-    /// The shape on a level of so many cells along each axis.
-    pub fn new(cells: [usize; 3]) -> Self {
-        let of = |full: i32, collapsed: i32| cells.map(|n| if n == 0 { collapsed } else { full });
-        let (nodes, buffer) = (of(BLOCK, 1), of(BUFFER, 1));
-        let strides = |[_, y, z]: [i32; 3]| [y * z, z, 1];
-        let (node_strides, below) = (strides(nodes), of(BELOW, 0));
+    /// The shape where some axes are collapsed.
+    const fn new(collapsed: [bool; 3]) -> Self {
+        const fn of(collapsed: [bool; 3], [full, flat]: [i32; 2]) -> [i32; 3] {
+            let [x, y, z] = collapsed;
+            [if x { flat } else { full }, if y { flat } else { full }, if z { flat } else { full }]
+        }
+        let (nodes, buffer, below) =
+            (of(collapsed, [BLOCK, 1]), of(collapsed, [BUFFER, 1]), of(collapsed, [BELOW, 0]));
+        let node_strides = [nodes[1] * nodes[2], nodes[2], 1];
         Self {
             nodes,
             node_strides,
-            node_shifts: node_strides.map(i32::trailing_zeros),
+            node_shifts: [node_strides[0].trailing_zeros(), node_strides[1].trailing_zeros(), 0],
             buffer,
-            buffer_strides: strides(buffer),
+            buffer_strides: [buffer[1] * buffer[2], buffer[2], 1],
             below,
-            shared: std::array::from_fn(|a| SharedNodes::all(nodes[a], buffer[a], below[a])),
+            shared: [
+                SharedNodes::all(nodes[0], buffer[0], below[0]),
+                SharedNodes::all(nodes[1], buffer[1], below[1]),
+                SharedNodes::all(nodes[2], buffer[2], below[2]),
+            ],
         }
+    }
+
+    /// The shape on a level of so many cells along each axis.
+    pub fn of(cells: [usize; 3]) -> &'static Self {
+        &SHAPES[cells.iter().fold(0, |number, &cells| 2 * number + usize::from(cells == 0))]
     }
 
     /// Whether no axis is collapsed.
@@ -155,7 +169,7 @@ pub struct Origin {
     /// From a node of the buffer to the next one along each axis.
     pub strides: [f64; 3],
     /// The nodes of block and buffer.
-    pub shape: BlockShape,
+    pub shape: &'static BlockShape,
 }
 
 impl Origin {
@@ -174,8 +188,8 @@ mod tests {
 
     #[test]
     fn full_blocks_have_the_shape_of_the_constants() {
-        let shape = BlockShape::new([9, 1, 3]);
-        assert!(shape == BlockShape::FULL && shape.is_full() && !BlockShape::new([9, 0, 3]).is_full());
+        let shape = BlockShape::of([9, 1, 3]);
+        assert!(*shape == BlockShape::FULL && shape.is_full() && !BlockShape::of([9, 0, 3]).is_full());
         assert_eq!(shape.buffer_strides.map(|s| s as usize), STRIDE);
         assert_eq!((shape.node_count(), shape.buffer_len()), (NODES, 8 * STRIDE[0]));
         assert!((0..NODES).all(|n| shape.place(n) == [n >> 4, n >> 2 & 3, n & 3].map(|i| i as i32)));
@@ -183,7 +197,7 @@ mod tests {
 
     #[test]
     fn a_collapsed_axis_has_one_layer() {
-        let shape = BlockShape::new([8, 8, 0]);
+        let shape = BlockShape::of([8, 8, 0]);
         assert_eq!((shape.node_count(), shape.buffer_len()), (16, 64));
         assert_eq!((shape.node_strides, shape.buffer_strides), ([4, 1, 1], [8, 1, 1]));
         assert_eq!((shape.place(7), shape.first_of_buffer([2, 0, 0])), ([1, 3, 0], [7, -1, 0]));

@@ -31,8 +31,8 @@ impl Level {
     }
 
     /// How the nodes of its blocks follow one another.
-    pub fn shape(&self) -> BlockShape {
-        BlockShape::new(self.cells)
+    pub fn shape(&self) -> &'static BlockShape {
+        BlockShape::of(self.cells)
     }
 
     /// Where the stencils of the particles of a block are counted from.

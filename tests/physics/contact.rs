@@ -38,7 +38,7 @@ impl Nodes {
         ]
         .map(|label| (label, vec![Wide::default(); NODES * materials]));
         let [(_, sums), (_, surfaces), (_, motions), _] = &mut columns;
-        let shape = BlockShape::new([1; 3]);
+        let shape = BlockShape::of([1; 3]);
         for (line, ((sum, surface), motion)) in sums.iter_mut().zip(surfaces).zip(motions).enumerate() {
             let (mass, f, v) = (10f64.powf(3.0 * random.sign()), random.vector(), random.vector());
             let (node, g) = (lattice.position(shape.place(line % NODES)), random.vector());

@@ -21,7 +21,7 @@ use tasks::labels;
 const CELL: f64 = 0.25;
 /// The buffer of block (2, 0, -1) of a level whose lower corner is (-1, 0.5, 2).
 fn origin() -> Origin {
-    let shape = BlockShape::new([1; 3]);
+    let shape = BlockShape::of([1; 3]);
     let strides = shape.buffer_strides.map(f64::from);
     Origin { node: [7.0, -1.0, -5.0], lower: [-4.0, 2.0, 8.0], strides, shape }
 }

@@ -15,11 +15,27 @@ use std::ops::Range;
 pub const FARTHEST: i32 = 3;
 
 impl Warehouse {
-    /// Rebuilds what follows from the set of occupied blocks. [`Warehouse::set_beyond`] comes before it.
+    /// Drops empty blocks, and rebuilds what follows from the set of the others. [`Warehouse::set_beyond`] comes before it.
     pub fn activate(&mut self, spread: &dyn Spread) {
-        let homes = self.particles.iter_mut().enumerate();
-        let mine = homes.filter(|(patch, _)| self.partition.is_mine(*patch)).flat_map(|(_, homes)| homes);
-        each_of(spread, &mut mine.collect::<Vec<_>>(), 1, |home| home.settle());
+        self.vacate(spread);
+        self.arrange(spread);
+    }
+
+    /// Drops empty blocks.
+    pub fn vacate(&mut self, spread: &dyn Spread) {
+        each_of(spread, &mut self.homes_mut(), 1, |home| home.vacate());
+    }
+
+    /// The blocks of this rank's patches.
+    fn homes_mut(&mut self) -> Vec<&mut ParticlePatch> {
+        let Self { partition, particles, .. } = self;
+        let mine = particles.iter_mut().enumerate().filter(|(patch, _)| partition.is_mine(*patch));
+        mine.flat_map(|(_, homes)| homes).collect()
+    }
+
+    /// Rebuilds what follows from the set of blocks.
+    pub fn arrange(&mut self, spread: &dyn Spread) {
+        each_of(spread, &mut self.homes_mut(), 1, |home| home.settle());
         self.activate_nodes(spread);
         let indices = |m: usize| {
             let homes = self.particles.iter().map(move |patch| &patch[m].blocks);

@@ -1,6 +1,6 @@
 //! Where the particles of a block are, as far as the block needs to know: the largest y and the largest −y on each axis,
 //! where y is the base node of a particle before rounding down.
-use grid::{BlockIndex, IndexBox, Level, Origin};
+use grid::{BlockIndex, BlockShape, IndexBox, Level, Origin};
 use simd::{LANES, Simd, Wide};
 
 /// An extent: three lines of y, three of −y; the largest lane counts.
@@ -45,11 +45,10 @@ impl Bases {
 /// The largest lane; what is no number does not count.
 #[inline]
 fn most(line: &Wide) -> f64 {
-    let mut most = f64::NEG_INFINITY;
-    for &y in &line.0 {
-        most = if y > most { y } else { most };
-    }
-    most
+    let [a, b, c, d, e, f, g, h] = line.0;
+    // by halves: a chain of eight is waited for
+    let most = (a.max(b).max(c.max(d))).max(e.max(f).max(g.max(h)));
+    most.max(f64::NEG_INFINITY)
 }
 
 /// (smallest, largest) y on an axis.
@@ -77,8 +76,8 @@ pub fn include(extent: &mut Extent, y: [f64; 3]) {
 }
 
 /// The nodes of the block's buffer that particles within the extent can touch.
-pub fn touched(extent: &Extent, level: &Level, block: BlockIndex) -> IndexBox {
-    let (shape, mut nodes) = (level.shape(), IndexBox { lower: [0; 3], upper: [0; 3] });
+pub fn touched(extent: &Extent, shape: &BlockShape, block: BlockIndex) -> IndexBox {
+    let mut nodes = IndexBox { lower: [0; 3], upper: [0; 3] };
     let first = shape.first_of_buffer(block);
     for axis in 0..3 {
         let (least, most) = bounds(extent, axis);
@@ -123,11 +122,11 @@ mod tests {
         let mut extent = NOBODY;
         include(&mut extent, [9.5, 8.0, 11.9]);
         include(&mut extent, [8.2, 7.5, 11.99]);
-        let nodes = touched(&extent, &level, [2, 2, 2]);
+        let nodes = touched(&extent, level.shape(), [2, 2, 2]);
         // the buffer begins at node 7; y = 8 lies within the margin of node 7
         assert_eq!(nodes, IndexBox { lower: [1, 0, 4], upper: [5, 4, 7] });
         let all = IndexBox { lower: [0; 3], upper: [8; 3] };
-        assert_eq!(touched(&ANYWHERE, &level, [2, 2, 2]), all);
+        assert_eq!(touched(&ANYWHERE, level.shape(), [2, 2, 2]), all);
         assert_eq!(bounds(&extent, 1).0, 7.5 - MARGIN);
     }
 
@@ -136,7 +135,10 @@ mod tests {
         let level = Level { lower: [0.0; 3], cell: 1.0, cells: [8, 8, 0] };
         let mut extent = NOBODY;
         include(&mut extent, [2.5, 1.0, 0.0]);
-        assert_eq!(touched(&extent, &level, [0, 0, 0]), IndexBox { lower: [3, 1, 0], upper: [6, 5, 1] });
+        assert_eq!(
+            touched(&extent, level.shape(), [0, 0, 0]),
+            IndexBox { lower: [3, 1, 0], upper: [6, 5, 1] }
+        );
         assert!(!somebody_left(&extent, &level, [0, 0, 0], [0.0; 3]));
     }
 }

@@ -93,7 +93,7 @@ impl NodeLayout {
     pub fn new(
         schema: &'static Schema,
         labels: impl IntoIterator<Item = LabelId>,
-        shape: grid::BlockShape,
+        shape: &grid::BlockShape,
     ) -> Self {
         let mut all: Vec<LabelId> = labels.into_iter().filter(|label| label.home() == Home::Node).collect();
         all.sort_unstable();

@@ -10,6 +10,7 @@ pub mod nearby;
 pub mod nodes;
 pub mod particles;
 pub mod rates;
+mod ready;
 pub mod reduction;
 pub mod schedule;
 pub mod shared;

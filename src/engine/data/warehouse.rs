@@ -58,13 +58,23 @@ pub struct NodePatch {
 }
 
 impl ParticlePatch {
-    /// Drops empty blocks, and sorts the others.
-    pub(super) fn settle(&mut self) {
+    /// Drops empty blocks.
+    pub(super) fn vacate(&mut self) {
         self.blocks.retain(|block| block.count > 0);
+        self.note();
+    }
+
+    /// Sorts blocks.
+    pub(super) fn settle(&mut self) {
         self.blocks.sort_by_key(|block| block.index);
+        self.note();
+        self.layers.fill(self.blocks.iter().map(|block| block.index[0]));
+    }
+
+    /// Notes where blocks are.
+    fn note(&mut self) {
         self.lookup.clear();
         self.lookup.extend(self.blocks.iter().map(|block| block.index).zip(0..));
-        self.layers.fill(self.blocks.iter().map(|block| block.index[0]));
     }
 
     /// Makes room in a block for so many more particles of a material.
@@ -95,7 +105,7 @@ impl ParticlePatch {
     }
 
     /// Where a block is, which is made if it is not there; whether it is new.
-    fn position(&mut self, index: BlockIndex, nodes: &NodeLayout) -> (usize, bool) {
+    pub(super) fn position(&mut self, index: BlockIndex, nodes: &NodeLayout) -> (usize, bool) {
         let Self { blocks, lookup, .. } = self;
         let before = blocks.len();
         let position = *lookup.entry(index).or_insert_with(|| {
@@ -220,6 +230,12 @@ impl Warehouse {
             }
         }
         self.reactivate = true;
+    }
+
+    /// Whether nodes keep something while no particle touches them: which blocks of nodes there are must then follow from where particles
+    /// are now, not from when that was asked.
+    pub fn nodes_keep(&self) -> bool {
+        self.own_rates || self.node_layout.carried().next().is_some()
     }
 
     /// Number of particles on this rank.

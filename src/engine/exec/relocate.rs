@@ -132,9 +132,8 @@ impl Relocation {
         moved: &impl Fn(usize) -> bool,
     ) -> (Self, Vec<Traveler>, Vec<Traveler>) {
         let (mut relocation, mut left) = (Self::default(), Vec::new());
-        // where materials wait, nodes catch up in other sums than those that go along: which do must not depend on when blocks
-        // were activated
-        let keeps = warehouse.own_rates || warehouse.node_layout.carried().next().is_some();
+        // where materials wait, nodes catch up in other sums than those that go along
+        let keeps = warehouse.nodes_keep();
         for patch in warehouse.partition.mine() {
             let homes = warehouse.particles[patch].iter().enumerate();
             for (material, home) in homes.filter(|(material, _)| moved(*material)) {

@@ -15,9 +15,9 @@ use crate::data::schedule::Schedule;
 use crate::data::shared::Shared;
 use crate::data::warehouse::{MaterialData, NodePatch, ParticlePatch};
 use crate::data::workspace::{Workspace, no_columns, recycle};
-use crate::graph::phase::Stage;
+use crate::graph::phase::{Line, Stage};
 use crate::graph::recipe::{Recipe, RecipeLine};
-use crate::graph::task::{At, Domain, Mode, Runnable};
+use crate::graph::task::{At, Mode, Runnable};
 use crate::schema::{Home, Life};
 use grid::{BlockIndex, BlockShape, IndexBox, Level};
 use simd::{Isa, LANES, Wide};
@@ -32,7 +32,7 @@ pub struct Context<'a> {
     /// The grid.
     pub level: &'a Level,
     /// How the nodes of its blocks follow one another.
-    pub shape: BlockShape,
+    pub shape: &'static BlockShape,
     /// The materials.
     pub materials: &'a [MaterialData],
     /// Their velocity fields.
@@ -73,6 +73,9 @@ pub fn sweep<const METERED: bool>(
     block: &mut ParticleBlock,
 ) {
     let Some(material) = stage.material else { return };
+    if block.count == 0 {
+        return pass_over(context, stage, block);
+    }
     let data = &context.materials[material];
     let (mut laps, part) =
         (Laps::<METERED>::begin(&mut scratch.tally), |part| What::Part(stage.entries[0], part));
@@ -84,7 +87,7 @@ pub fn sweep<const METERED: bool>(
     let (count, tiles, near, index) = (block.count, block.tiles(), block.near, block.index);
     let touched = match stage.before.is_empty() && stage.after.is_empty() {
         true => IndexBox { lower: [0; 3], upper: [0; 3] },
-        false => in_level(&context.shape, index, extent::touched(&block.extent, context.level, index)),
+        false => in_level(context.shape, index, extent::touched(&block.extent, context.shape, index)),
     };
     let Split { columns: own, partials, extent: bounds } = block.split(&data.layout);
     own.for_each(|(label, column)| columns[label.index()] = column);
@@ -105,21 +108,20 @@ pub fn sweep<const METERED: bool>(
     at.touched = touched;
     let traced = tracing::enabled!(tracing::Level::TRACE);
     laps.lap(part(StagePart::Setup));
-    let mut run = |entry, at: &At<'_>, space: &mut Workspace<'_>| {
-        let task = context.task(entry);
-        if near || task.declaration().domain != Domain::NearParticles {
-            let _span = traced.then(|| context.span(entry).entered());
-            task.run_on(context.isa, at, space);
-            laps.lap(What::Entry(entry));
+    let mut run = |line: &Line, at: &At<'_>, space: &mut Workspace<'_>| {
+        if near || !line.near {
+            let _span = traced.then(|| context.span(line.entry).entered());
+            context.task(line.entry).run_on(context.isa, at, space);
+            laps.lap(What::Entry(line.entry));
         }
     };
-    stage.before.iter().for_each(|&entry| run(entry, &at, &mut space));
+    stage.before.iter().for_each(|line| run(line, &at, &mut space));
     for first in (0..tiles).step_by(CHUNK) {
         space.chunk = first..(first + CHUNK).min(tiles);
         at.count = (count - first * LANES).min(CHUNK * LANES);
-        stage.chunks.iter().for_each(|&entry| run(entry, &at, &mut space));
+        stage.chunks.iter().for_each(|line| run(line, &at, &mut space));
     }
-    stage.after.iter().for_each(|&entry| run(entry, &at, &mut space));
+    stage.after.iter().for_each(|line| run(line, &at, &mut space));
     scratch.columns = recycle(space.columns);
     if widens {
         // here the extent is in cache
@@ -127,6 +129,19 @@ pub fn sweep<const METERED: bool>(
             && extent::somebody_left(&block.extent, context.level, block.index, data.half_size);
     }
     laps.end(&mut scratch.tally);
+}
+
+/// What a stage leaves of a block without particles.
+fn pass_over(context: &Context<'_>, stage: &Stage, block: &mut ParticleBlock) {
+    for (label, partial) in context.node_layout.partial().iter().zip(&mut block.partials) {
+        if stage.adds.contains(label) || stage.releases.contains(label) {
+            context.buffers.put_back(std::mem::take(partial));
+        }
+    }
+    if !stage.adds.is_empty() {
+        block.touched = IndexBox { lower: [0; 3], upper: [0; 3] };
+    }
+    (block.extent, block.leaving) = (extent::NOBODY, false);
 }
 
 /// A part of a block's buffer in nodes of the level.
@@ -141,7 +156,7 @@ fn in_level(shape: &BlockShape, block: BlockIndex, part: IndexBox) -> IndexBox {
 fn ready_buffers(context: &Context<'_>, stage: &Stage, fields: usize, block: &mut ParticleBlock) {
     let Context { node_layout: layout, buffers, shape, .. } = context;
     if !stage.adds.is_empty() {
-        block.touched = extent::touched(&block.extent, context.level, block.index);
+        block.touched = extent::touched(&block.extent, shape, block.index);
     }
     for (&label, partial) in layout.partial().iter().zip(&mut block.partials) {
         let adds = stage.adds.contains(&label);
@@ -170,14 +185,14 @@ fn load_regions(
 ) {
     let Some(material) = stage.material.filter(|_| !stage.reads.is_empty()) else { return };
     // they may have moved since they were added to nodes
-    let touched = &extent::touched(&block.extent, context.level, block.index);
+    let touched = &extent::touched(&block.extent, context.shape, block.index);
     for &label in &stage.reads {
         let Some(place) = context.node_layout.stored_place(label) else { continue };
         let length = context.node_layout.buffer * label.width();
         let fields = context.fields.of(material).map(FieldId::new);
         let regions = columns[label.index()].chunks_exact_mut(length);
         for (field, region) in fields.zip(regions) {
-            let (width, shape, around) = (label.width(), &context.shape, &block.around);
+            let (width, shape, around) = (label.width(), context.shape, &block.around);
             let from = ValuesAround { place, field, width, shape, nodes, around, touched };
             context.isa.dispatch(LoadRegion { from, region });
         }
@@ -192,7 +207,7 @@ pub fn update_nodes<const METERED: bool>(
     scratch: &mut Scratch,
     block: &mut NodeBlock,
 ) -> bool {
-    let (shape, layout) = (&context.shape, context.node_layout);
+    let (shape, layout) = (context.shape, context.node_layout);
     let index = block.index;
     let split = block.split();
     let present = split.present;

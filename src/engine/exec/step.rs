@@ -199,7 +199,15 @@ impl Engine {
         }
         let began = self.trace.now();
         self.backend.download(Purpose::Activation, &mut Blocks::of(warehouse));
-        self.metered(What::Activation, || warehouse.activate(&*self.backend));
+        // who has moved once moves again
+        let ahead = warehouse.is_arranged() && !warehouse.nodes_keep();
+        self.metered(What::Activation, || {
+            warehouse.vacate(&*self.backend);
+            if ahead {
+                warehouse.make_ready(&*self.backend);
+            }
+            warehouse.arrange(&*self.backend);
+        });
         self.backend.upload(Purpose::Activation, &mut Blocks::of(warehouse));
         self.trace.record(0, began, Event::other(Kind::Arrange));
         if network.size() > 1 {

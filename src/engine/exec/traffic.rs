@@ -103,7 +103,7 @@ fn between(
     let may = IndexBox { lower: [0; 3], upper: shape.buffer };
     let node_block = |place: (u32, u32)| &warehouse.nodes[place.0 as usize].blocks[place.1 as usize];
     for (material, block) in warehouse.blocks() {
-        let touched = extent::touched(&block.extent, &warehouse.level, block.index);
+        let touched = extent::touched(&block.extent, shape, block.index);
         let mut receivers = BTreeSet::new();
         for (q, &place) in block.around.iter().enumerate().filter(|(_, place)| **place != NOWHERE) {
             let (sender, receiver) = (from(block.index), to(node_block(place).index));
@@ -112,7 +112,7 @@ fn between(
             }
             let nothing = IndexBox { lower: [0; 3], upper: [0; 3] };
             let nodes =
-                [touched, may].map(|nodes| overlap(&shape, back(q), &nodes).map_or(nothing, |(it, _)| it));
+                [touched, may].map(|nodes| overlap(shape, back(q), &nodes).map_or(nothing, |(it, _)| it));
             let near = usize::from(block.near);
             at((sender, receiver), material, &|passing| passing.added[near] += nodes[0].len() as u64);
             let known = read.entry((place, material, to(block.index))).or_insert(nodes);

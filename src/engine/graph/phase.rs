@@ -16,11 +16,11 @@ pub struct Stage {
     /// Their lines of the recipe, in order.
     pub entries: Vec<usize>,
     /// Of them, those that adapt the buffer before its particles read it.
-    pub before: Vec<usize>,
+    pub before: Vec<Line>,
     /// Those that run chunk by chunk of particles, or on nodes, or once.
-    pub chunks: Vec<usize>,
+    pub chunks: Vec<Line>,
     /// Those that change what all particles of the block have added.
-    pub after: Vec<usize>,
+    pub after: Vec<Line>,
     /// Their nodes in the graph, in the order of `entries`.
     pub nodes: Vec<NodeIndex>,
     /// Labels touched, each once, with the strongest access.
@@ -46,6 +46,15 @@ pub struct Stage {
     pub releases: Vec<LabelId>,
     /// Whether it is over nodes and touches what they keep from step to step: it runs also where no particle touches them.
     pub everywhere: bool,
+}
+
+/// A line of the recipe in a stage over particles.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    /// Which one.
+    pub entry: usize,
+    /// Whether it runs only where particles are near others.
+    pub near: bool,
 }
 
 /// When in the step of a material a stage runs.
@@ -96,7 +105,7 @@ impl Stage {
             Domain::Buffers => &mut self.before,
             _ => &mut self.chunks,
         };
-        order.push(task.entry);
+        order.push(Line { entry: task.entry, near: domain == Domain::NearParticles });
         access.iter().for_each(|&access| merge(&mut self.touched, access));
         let adds = access.iter().any(|a| a.label.home() == Home::Node && a.mode.writes());
         if self.domain == Domain::Particles && adds {

@@ -100,7 +100,7 @@ impl Footprint {
         };
         let axes = |of: &dyn Fn(&IndexBox, usize) -> i32| {
             mean(&|_, block| {
-                let touched = extent::touched(&block.extent, &all.level, block.index);
+                let touched = extent::touched(&block.extent, all.level.shape(), block.index);
                 (0..3).map(|a| f64::from(of(&touched, a).max(0))).sum::<f64>() / 3.0
             })
         };
