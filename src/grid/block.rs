@@ -1,5 +1,5 @@
 //! The nodes of a block, and those around it that its particles reach: its buffer.
-use super::BlockIndex;
+use super::{BlockIndex, IndexBox};
 
 /// Cells, and nodes, of a block along an axis.
 pub const BLOCK: i32 = 4;
@@ -119,6 +119,21 @@ impl BlockShape {
     /// Number of nodes of a block.
     pub fn node_count(&self) -> usize {
         self.nodes.iter().product::<i32>() as usize
+    }
+
+    /// Which blocks around have nodes in a part of a block's buffer: bit `q` is set if the block does from which this one is seen at
+    /// the `q`-th of the offsets around.
+    pub fn reached(&self, part: &IndexBox) -> u32 {
+        let reaches = |a: usize| {
+            self.shared[a].map(|SharedNodes { first, end, to_buffer }| {
+                first.max(part.lower[a] - to_buffer) < end.min(part.upper[a] - to_buffer)
+            })
+        };
+        let [x, y, z] = [reaches(0), reaches(1), reaches(2)];
+        let bits = |along: [bool; 3], of_one: u32, width: u32| {
+            (0..3).filter(|&d| along[d]).fold(0, |bits, d| bits | of_one << (width * d as u32))
+        };
+        bits(x, bits(y, bits(z, 1, 1), 3), 9)
     }
 
     /// Number of nodes of a buffer.

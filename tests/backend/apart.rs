@@ -150,8 +150,9 @@ impl Apart {
     ) {
         let Some(material) = stage.material else { return };
         for patch in data.partition.mine() {
-            let slab = data.particles[patch][material].slab_mut(&which.layers());
-            for block in slab.iter_mut().filter(|block| which.has(|| block.rim)) {
+            let layers = which.layers();
+            let slab = data.particles[patch][material].slab_mut(&layers);
+            for (block, _) in slab.filter(|(block, _)| which.has(|| block.rim)) {
                 of_particles((material, &data.materials[material]), data.node_layout, block, &mut each);
             }
         }

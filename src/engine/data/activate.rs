@@ -35,7 +35,8 @@ impl Warehouse {
 
     /// Rebuilds what follows from the set of blocks.
     pub fn arrange(&mut self, spread: &dyn Spread) {
-        each_of(spread, &mut self.homes_mut(), 1, |home| home.settle());
+        let shape = self.level.shape();
+        each_of(spread, &mut self.homes_mut(), 1, |home| home.settle(shape));
         self.activate_nodes(spread);
         let indices = |m: usize| {
             let homes = self.particles.iter().map(move |patch| &patch[m].blocks);
@@ -74,7 +75,7 @@ impl Warehouse {
     /// Notes the occupied blocks of other ranks in sight of this one's, each a material and an index, in any order. Those
     /// known before keep what they gave to nodes.
     pub fn set_beyond(&mut self, occupied: impl Iterator<Item = (usize, BlockIndex)>) {
-        let Self { decomposition, partition, node_layout, particles, .. } = self;
+        let Self { level, decomposition, partition, node_layout, particles, .. } = self;
         let mut old: HashMap<(usize, BlockIndex), ParticleBlock> = HashMap::new();
         for patch in (0..particles.len()).filter(|&patch| !partition.is_mine(patch)) {
             for (material, home) in particles[patch].iter_mut().enumerate() {
@@ -90,7 +91,10 @@ impl Warehouse {
             particles[patch][material].blocks.push(block);
         }
         for patch in (0..particles.len()).filter(|&patch| !partition.is_mine(patch)) {
-            particles[patch].iter_mut().for_each(|home| home.blocks.sort_by_key(|block| block.index));
+            particles[patch].iter_mut().for_each(|home| {
+                home.blocks.sort_by_key(|block| block.index);
+                home.note_briefs(level.shape());
+            });
         }
     }
 

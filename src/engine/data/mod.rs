@@ -1,5 +1,6 @@
 //! Where data live: columns of particles, lines of nodes, values of materials and the run, and the views that tasks receive.
 pub mod activate;
+pub mod brief;
 pub mod exact_sum;
 pub mod extent;
 pub mod fields;

@@ -74,11 +74,10 @@ impl ParticleBlock {
         self.count.div_ceil(LANES)
     }
 
-    /// Asks for what says what its particles add to nodes, and where that is.
+    /// Asks for what says where that is which its particles add to nodes.
     #[inline(always)]
     pub fn announce(&self) {
         prefetch_at(&raw const self.partials);
-        prefetch_at(&raw const self.touched);
     }
 
     /// Where its columns are, and how many lines they have.

@@ -2,6 +2,7 @@
 //!
 //! Particle labels of the old and the new step share storage: the graph's write-after-read edges are what makes
 //! that safe. Labels of nodes exist only in blocks that a field touches.
+use super::brief::Brief;
 use super::fields::Fields;
 use super::layers::Layers;
 use super::layout::{NodeLayout, ParticleLayout};
@@ -11,7 +12,7 @@ use super::nodes::NodeBlock;
 use super::particles::ParticleBlock;
 use super::shared::Shared;
 use crate::schema::{LabelId, Schema, Tiles};
-use grid::{BlockIndex, Decomposition, Level, Partition};
+use grid::{BlockIndex, BlockShape, Decomposition, Level, Partition};
 use simd::LANES;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -44,6 +45,8 @@ impl MaterialData {
 pub struct ParticlePatch {
     /// The blocks.
     pub blocks: Vec<ParticleBlock>,
+    /// What others know of each, as it was when work on it ended last.
+    pub briefs: Vec<Brief>,
     /// The position of each in `blocks`.
     lookup: ByIndex<u32>,
     layers: Layers,
@@ -65,9 +68,10 @@ impl ParticlePatch {
     }
 
     /// Sorts blocks.
-    pub(super) fn settle(&mut self) {
+    pub(super) fn settle(&mut self, shape: &BlockShape) {
         self.blocks.sort_by_key(|block| block.index);
         self.note();
+        self.note_briefs(shape);
         self.layers.fill(self.blocks.iter().map(|block| block.index[0]));
     }
 
@@ -75,6 +79,12 @@ impl ParticlePatch {
     fn note(&mut self) {
         self.lookup.clear();
         self.lookup.extend(self.blocks.iter().map(|block| block.index).zip(0..));
+    }
+
+    /// Notes what others know of blocks.
+    pub(super) fn note_briefs(&mut self, shape: &BlockShape) {
+        self.briefs.clear();
+        self.briefs.extend(self.blocks.iter().map(|block| Brief::of(block, shape)));
     }
 
     /// Makes room in a block for so many more particles of a material.
@@ -115,10 +125,13 @@ impl ParticlePatch {
         (position as usize, blocks.len() > before)
     }
 
-    /// The blocks in some layers along x.
-    pub fn slab_mut(&mut self, wanted: &Range<i32>) -> &mut [ParticleBlock] {
+    /// The blocks in some layers along x, and what others know of them.
+    pub fn slab_mut(
+        &mut self,
+        wanted: &Range<i32>,
+    ) -> impl Iterator<Item = (&mut ParticleBlock, &mut Brief)> {
         let positions = self.layers.positions(wanted);
-        &mut self.blocks[positions]
+        self.blocks[positions.clone()].iter_mut().zip(&mut self.briefs[positions])
     }
 }
 

@@ -4,7 +4,7 @@ use super::halo::Clear;
 use super::meter::{Laps, StagePart, What};
 use super::region::{LoadRegion, ValuesAround};
 use super::scratch::{AHEAD, CHUNK, Scratch};
-use super::sums::{Around, SumPartials};
+use super::sums::{Around, SumPartials, Touching};
 use crate::data::extent;
 use crate::data::fields::{FieldId, Fields};
 use crate::data::layout::NodeLayout;
@@ -21,6 +21,7 @@ use crate::graph::task::{At, Mode, Runnable};
 use crate::schema::{Home, Life};
 use grid::{BlockIndex, BlockShape, IndexBox, Level};
 use simd::{Isa, LANES, Wide};
+use smallvec::SmallVec;
 
 /// What is the same for all blocks of a phase.
 #[derive(Clone, Copy)]
@@ -216,8 +217,10 @@ pub fn update_nodes<const METERED: bool>(
         let field = field - context.fields.of(material).start;
         Around { place, material, field, width, shape, particles, around: &split.around[slot] }
     };
+    let touching: SmallVec<[Touching; 4]> =
+        (0..present.len()).map(|slot| around(slot, 0, 0).touching()).collect();
     let known = |slot: &usize| !stage.unknown.contains(&context.fields.material(present[*slot]));
-    if !stage.everywhere && !(0..present.len()).filter(known).any(|slot| around(slot, 0, 0).is_something()) {
+    if !stage.everywhere && (0..present.len()).filter(known).all(|slot| touching[slot].is_empty()) {
         return false;
     }
     let (mut laps, part) =
@@ -242,8 +245,8 @@ pub fn update_nodes<const METERED: bool>(
                     }
                     continue;
                 }
-                let from = around(slot, place, label.width());
-                context.isa.dispatch(SumPartials { from, combine: label.combine(), sums });
+                let (from, touching) = (around(slot, place, label.width()), touching[slot]);
+                context.isa.dispatch(SumPartials { from, touching, combine: label.combine(), sums });
             }
         }
         // sums that live for a stage are not there without being added up

@@ -1,7 +1,6 @@
 //! The sums of nodes: what the particle blocks around a node block add to its nodes, in an order that no decomposition changes.
-use super::halo::{Pencils, lines, overlap, pencils};
+use super::halo::{Pencils, lines, pencils};
 use crate::data::nodes::{NOWHERE, Place};
-use crate::data::particles::ParticleBlock;
 use crate::data::reduction;
 use crate::data::warehouse::ParticlePatch;
 use crate::schema::Combine;
@@ -28,19 +27,21 @@ pub struct Around<'a> {
 }
 
 impl<'a> Around<'a> {
+    /// The `q`-th block around is one of these blocks, at this position.
     #[inline(always)]
-    fn block(&self, q: usize) -> Option<&'a ParticleBlock> {
+    fn home(&self, q: usize) -> Option<(&'a ParticlePatch, usize)> {
         let (patch, at) = *self.around.get(q).filter(|&&n| n != NOWHERE)?;
-        Some(&self.particles[patch as usize][self.material].blocks[at as usize])
+        Some((&self.particles[patch as usize][self.material], at as usize))
     }
 
     /// The buffer of the `q`-th block around, and the pencils along z that both blocks have.
     #[inline(always)]
     fn partial(&self, q: usize) -> Option<(&'a [Wide], Pencils)> {
-        let block = self.block(q)?;
+        let (home, at) = self.home(q)?;
         let length = self.shape.buffer_len() * self.width;
-        let partial = block.partials[self.place].get(self.field * length..(self.field + 1) * length)?;
-        Some((partial, pencils(self.shape, offset(q), &block.touched)))
+        let partials = &home.blocks[at].partials[self.place];
+        let partial = partials.get(self.field * length..(self.field + 1) * length)?;
+        Some((partial, pencils(self.shape, offset(q), &home.briefs[at].touched())))
     }
 
     /// Asks for the lines that the `q`-th block around adds.
@@ -53,13 +54,40 @@ impl<'a> Around<'a> {
         }
     }
 
-    /// Whether any block around touches the nodes.
-    pub fn is_something(&self) -> bool {
-        let touches =
-            |q| self.block(q).is_some_and(|block| overlap(self.shape, offset(q), &block.touched).is_some());
-        (0..27).filter_map(|q| self.block(q)).for_each(ParticleBlock::announce);
-        // the block itself first: mostly that settles it
-        touches(13) || (0..27).any(touches)
+    /// The blocks around that touch the nodes; what says where their buffers are is asked for.
+    pub fn touching(&self) -> Touching {
+        let mut bits = 0;
+        for q in 0..27 {
+            if let Some((home, at)) = self.home(q)
+                && home.briefs[at].reaches(q)
+            {
+                home.blocks[at].announce();
+                bits |= 1 << q;
+            }
+        }
+        Touching(bits)
+    }
+}
+
+/// Blocks around a node block, as bits in the order of `grid::around`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Touching(u32);
+
+impl Touching {
+    /// Whether it is none.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
+impl Iterator for Touching {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let q = self.0.trailing_zeros();
+        self.0 &= self.0.wrapping_sub(1);
+        (q < u32::BITS).then_some(q as usize)
     }
 }
 
@@ -67,6 +95,8 @@ impl<'a> Around<'a> {
 pub struct SumPartials<'a> {
     /// The summands.
     pub from: Around<'a>,
+    /// Whose they are.
+    pub touching: Touching,
     /// How they combine.
     pub combine: Combine,
     /// The sums.
@@ -80,24 +110,27 @@ impl Job for SumPartials<'_> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        let Self { from, combine, sums } = self;
+        let Self { from, touching, combine, sums } = self;
         match (combine, from.shape.is_full(), from.width) {
             (Combine::Sum, true, 1) => {
-                add::<S>(&Around { shape: &BlockShape::FULL, width: 1, ..from }, sums);
+                add::<S>(&Around { shape: &BlockShape::FULL, width: 1, ..from }, touching, sums);
             }
-            (Combine::Sum, ..) => add::<S>(&from, sums),
-            _ => merge(&from, combine, sums),
+            (Combine::Sum, ..) => add::<S>(&from, touching, sums),
+            _ => merge(&from, touching, combine, sums),
         }
     }
 }
 
 /// Sums up all summands.
 #[inline(always)]
-fn add<S: Simd>(from: &Around<'_>, sums: &mut [Wide]) {
+fn add<S: Simd>(from: &Around<'_>, touching: Touching, sums: &mut [Wide]) {
     sums.fill(Wide::default());
-    (0..AHEAD).for_each(|q| from.announce(q));
-    for q in 0..27 {
-        from.announce(q + AHEAD);
+    let mut ahead = touching;
+    (&mut ahead).take(AHEAD).for_each(|q| from.announce(q));
+    for q in touching {
+        if let Some(q) = ahead.next() {
+            from.announce(q);
+        }
         let Some((partial, pencils)) = from.partial(q) else { continue };
         for (own, there) in pencils {
             let (own, there) = (lines(own, from.width), lines(there, from.width));
@@ -109,9 +142,9 @@ fn add<S: Simd>(from: &Around<'_>, sums: &mut [Wide]) {
 }
 
 /// The same for what combines in any order.
-fn merge(from: &Around<'_>, combine: Combine, sums: &mut [Wide]) {
+fn merge(from: &Around<'_>, touching: Touching, combine: Combine, sums: &mut [Wide]) {
     reduction::clear(combine, sums);
-    for q in 0..27 {
+    for q in touching {
         let Some((partial, pencils)) = from.partial(q) else { continue };
         for (own, there) in pencils {
             let (own, there) = (lines(own, from.width), lines(there, from.width));

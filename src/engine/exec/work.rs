@@ -4,6 +4,7 @@ use super::recorder::Recorder;
 use super::scratch::Scratch;
 use super::stage::{self, Context};
 use super::trace::{Event, Kind, NONE};
+use crate::data::brief::Brief;
 use crate::data::layout::NodeLayout;
 use crate::data::nodes::NodeBlock;
 use crate::data::particles::ParticleBlock;
@@ -13,7 +14,6 @@ use crate::data::workspace::recycle;
 use crate::graph::exchange::{Exchange, Way};
 use crate::graph::phase::{Phase, Stage, When};
 use grid::Partition;
-use simd::{Wide, prefetch_at};
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -142,19 +142,20 @@ pub fn over_particles<E: Executor>(
         for stage in phase.stages.iter().filter(|stage| acts(stage, context.schedule)) {
             let mine = |(material, _): &(usize, _)| stage.material == Some(*material);
             let Some((_, home)) = homes.find(mine) else { continue };
-            let blocks = home.slab_mut(&layers).iter_mut().filter(|block| which.has(|| block.rim));
-            items.extend(blocks.map(|block| (stage, block, Next::default())));
+            let blocks = home.slab_mut(&layers).filter(|(block, _)| which.has(|| block.rim));
+            items.extend(blocks.map(|(block, brief)| (stage, block, brief, Brief::NOTHING)));
         }
     }
-    let mut next = Next::default();
-    for (_, block, behind) in items.iter_mut().rev() {
-        (*behind, next) = (next, Next::of(block));
+    let mut next = Brief::NOTHING;
+    for (_, _, brief, behind) in items.iter_mut().rev() {
+        (*behind, next) = (next, **brief);
     }
     let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
-    executor.each(&mut items, |worker, (stage, block, next)| {
+    executor.each(&mut items, |worker, (stage, block, brief, next)| {
         let moment = watch.begin();
         next.announce();
         sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
+        **brief = Brief::of(block, context.shape);
         block.cost += watch.end(began, moment, worker, stage, slab);
     });
     watch.trace.record_idle(began, phase.stages.first().map_or(Event::other(Kind::Idle), Event::idle));
@@ -209,26 +210,6 @@ pub fn travels(exchange: &Exchange, schedule: &Schedule, material: usize) -> boo
     acts && exchange.concerns(material)
 }
 
-/// The columns of the block that comes next in a list: lonely particles are over before memory has brought them. The address of a line
-/// and their number; 0 where there is none, or so many that they bring themselves.
-#[derive(Clone, Copy, Default)]
-struct Next(usize, usize);
-
-impl Next {
-    /// The most lines that are asked for.
-    const MOST: usize = 192;
-
-    fn of(block: &ParticleBlock) -> Self {
-        let (first, lines) = block.address();
-        if lines <= Self::MOST { Self(first as usize, lines) } else { Self::default() }
-    }
-
-    fn announce(self) {
-        let Self(first, lines) = self;
-        (0..lines).for_each(|line| prefetch_at((first + line * size_of::<Wide>()) as *const Wide));
-    }
-}
-
 /// A worker's scratch. Nobody else takes it while the worker works.
 pub fn lock(scratch: &Mutex<Scratch>) -> MutexGuard<'_, Scratch> {
     scratch.lock().unwrap_or_else(PoisonError::into_inner)
@@ -237,6 +218,7 @@ pub fn lock(scratch: &Mutex<Scratch>) -> MutexGuard<'_, Scratch> {
 /// Memory of the lists of blocks of a phase, which are empty between phases.
 #[derive(Default)]
 pub struct Memory {
-    particles: Vec<(&'static Stage, &'static mut ParticleBlock, Next)>,
+    /// A block, what others know of it, and what is known of the one that comes next.
+    particles: Vec<(&'static Stage, &'static mut ParticleBlock, &'static mut Brief, Brief)>,
     nodes: Vec<&'static mut NodeBlock>,
 }

@@ -2,6 +2,7 @@
 //! decomposition changes, against the same sweep with each block's buffer added to the nodes as soon as it is full.
 use super::report::Order;
 use crate::simulation::Simulation;
+use engine::data::brief::Brief;
 use engine::data::fields::FieldId;
 use engine::data::nodes::{NOWHERE, is_there};
 use engine::data::particles::ParticleBlock;
@@ -114,8 +115,9 @@ impl Trial<'_> {
                 let Some(&stage) = self.stages.iter().find(|s| s.material == Some(material)) else {
                     continue;
                 };
-                for block in home.slab_mut(slab) {
+                for (block, brief) in home.slab_mut(slab) {
                     work(self, stage, block);
+                    *brief = Brief::of(block, self.context.shape);
                 }
             }
         }
@@ -144,7 +146,7 @@ impl Trial<'_> {
                         let length = node_layout.nodes * width;
                         let sums = &mut self.sums[patch][at][place][slot * length..(slot + 1) * length];
                         let from = Around { place, material, field, width, shape, particles, around };
-                        isa.dispatch(SumPartials { from, combine, sums });
+                        isa.dispatch(SumPartials { from, touching: from.touching(), combine, sums });
                     }
                 }
             }

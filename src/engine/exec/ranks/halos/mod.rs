@@ -10,6 +10,7 @@ mod read;
 
 use super::occupied::Neighbor;
 use super::{Channel, Network, NetworkError};
+use crate::data::brief::Brief;
 use crate::data::particles::ParticleBlock;
 use crate::data::warehouse::{NodePatch, ParticlePatch, Warehouse};
 use crate::exec::stage::Context;
@@ -58,6 +59,7 @@ pub struct Incoming<'a> {
     exchange: &'a Exchange,
     context: &'a Context<'a>,
     block: &'a mut ParticleBlock,
+    brief: &'a mut Brief,
     header: Header,
     piece: &'a [Wide],
 }
@@ -66,6 +68,7 @@ impl Incoming<'_> {
     /// Fills the block.
     pub fn unpack(&mut self) {
         self.adder.unpack(self.exchange, self.context, self.block, &self.header, self.piece);
+        *self.brief = Brief::of(self.block, self.context.shape);
     }
 }
 
@@ -168,13 +171,13 @@ impl Halos {
                 continue;
             }
             for (material, home) in homes.iter_mut().enumerate() {
-                for (at, block) in home.blocks.iter_mut().enumerate() {
+                for (at, (block, brief)) in home.blocks.iter_mut().zip(&mut home.briefs).enumerate() {
                     let this = |adder: &&Adder| (adder.place, adder.material) == ((patch, at), material);
                     if let Some(adder) = adders.next_if(this) {
                         let header = Header::read(reader.next(1));
                         let length = adder.lines(exchange, context, &header);
                         let piece = reader.next(length);
-                        pieces.push(Incoming { adder, exchange, context, block, header, piece });
+                        pieces.push(Incoming { adder, exchange, context, block, brief, header, piece });
                     }
                 }
             }

@@ -1,0 +1,59 @@
+//! What is asked of many blocks of particles at a time, in a list beside them: the blocks themselves need not be brought for it.
+use super::particles::ParticleBlock;
+use grid::{BlockShape, IndexBox};
+use simd::{Wide, prefetch_at};
+
+/// What others know of a block of particles.
+#[derive(Clone, Copy, Debug)]
+pub struct Brief {
+    /// The nodes of its buffers that hold something (see [`ParticleBlock::touched`]).
+    touched: [[u8; 3]; 2],
+    /// The blocks of nodes around that have some of them (see [`BlockShape::reached`]).
+    reached: u32,
+    /// Lines of its columns; as many as a number can say, if there are more.
+    lines: u16,
+    /// The address of the first of them.
+    first: usize,
+}
+
+impl Brief {
+    /// The most lines that are asked for: more bring themselves.
+    const MOST: u16 = 192;
+    /// Of no block.
+    pub const NOTHING: Self = Self { touched: [[0; 3]; 2], reached: 0, lines: 0, first: 0 };
+
+    /// Of a block as it is now.
+    #[inline]
+    pub fn of(block: &ParticleBlock, shape: &BlockShape) -> Self {
+        let (first, lines) = block.address();
+        // nodes of a buffer fit
+        let corner = |corner: [i32; 3]| corner.map(|i| i as u8);
+        Self {
+            touched: [corner(block.touched.lower), corner(block.touched.upper)],
+            reached: shape.reached(&block.touched),
+            lines: lines.try_into().unwrap_or(u16::MAX),
+            first: first as usize,
+        }
+    }
+
+    /// The nodes of its buffers that hold something.
+    #[inline(always)]
+    pub fn touched(&self) -> IndexBox {
+        let [lower, upper] = self.touched.map(|corner| corner.map(i32::from));
+        IndexBox { lower, upper }
+    }
+
+    /// Whether it touches nodes of the block from which it is seen at the `q`-th of the offsets around.
+    #[inline(always)]
+    pub fn reaches(&self, q: usize) -> bool {
+        self.reached >> q & 1 == 1
+    }
+
+    /// Asks for the columns of a block with few particles: work on them is over before memory has brought them.
+    pub fn announce(&self) {
+        if self.lines <= Self::MOST {
+            let line = |line| (self.first + line * size_of::<Wide>()) as *const Wide;
+            (0..usize::from(self.lines)).for_each(|n| prefetch_at(line(n)));
+        }
+    }
+}
