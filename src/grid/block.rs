@@ -112,17 +112,20 @@ impl BlockShape {
     }
 
     /// Whether no axis is collapsed.
+    #[inline]
     pub fn is_full(&self) -> bool {
         self.nodes == Self::FULL.nodes
     }
 
     /// Number of nodes of a block.
+    #[inline]
     pub fn node_count(&self) -> usize {
         self.nodes.iter().product::<i32>() as usize
     }
 
     /// Which blocks around have nodes in a part of a block's buffer: bit `q` is set if the block does from which this one is seen at
     /// the `q`-th of the offsets around.
+    #[inline]
     pub fn reached(&self, part: &IndexBox) -> u32 {
         let reaches = |a: usize| {
             self.shared[a].map(|SharedNodes { first, end, to_buffer }| {
@@ -137,21 +140,25 @@ impl BlockShape {
     }
 
     /// Number of nodes of a buffer.
+    #[inline]
     pub fn buffer_len(&self) -> usize {
         self.buffer.iter().product::<i32>() as usize
     }
 
     /// Whether an axis is collapsed.
+    #[inline]
     pub fn is_collapsed(&self, axis: usize) -> bool {
         self.nodes[axis] == 1
     }
 
     /// Base nodes (relative to the buffer) that a particle of the block may have along an axis.
+    #[inline]
     pub fn bases(&self, axis: usize) -> i32 {
         if self.is_collapsed(axis) { 1 } else { BASES }
     }
 
     /// Most nodes that a particle touches along an axis.
+    #[inline]
     pub fn nodes_per_axis(&self, axis: usize) -> i32 {
         if self.is_collapsed(axis) { 1 } else { NODES_PER_AXIS }
     }
@@ -164,11 +171,13 @@ impl BlockShape {
     }
 
     /// The first node of a block, in nodes of the level.
+    #[inline]
     pub fn first_node(&self, block: BlockIndex) -> [i32; 3] {
         std::array::from_fn(|a| self.nodes[a] * block[a])
     }
 
     /// The first node of a block's buffer, in nodes of the level.
+    #[inline]
     pub fn first_of_buffer(&self, block: BlockIndex) -> [i32; 3] {
         std::array::from_fn(|a| self.nodes[a] * block[a] - self.below[a])
     }

@@ -30,9 +30,9 @@ pub struct NodeBlock {
     columns: SmallVec<[Vec<Wide>; FEW]>,
     /// For each present field, the number of the tick up to which its nodes have been integrated; below any tick where
     /// they never were.
-    pub until: Vec<f64>,
+    pub until: SmallVec<[f64; 4]>,
     /// For each present field, the particle blocks of its material around, in the order of `grid::around`.
-    pub around: Vec<[Place; 27]>,
+    pub around: SmallVec<[[Place; 27]; 1]>,
     /// Whether particles of another rank add to it.
     pub rim: bool,
     /// What work on it took, while that is weighed [ns].
@@ -47,8 +47,8 @@ impl NodeBlock {
             false => Vec::new(),
         };
         let columns = layout.stored().iter().map(column).collect();
-        let around = vec![[NOWHERE; 27]; present.len()];
-        let until = vec![NEVER; present.len()];
+        let around = SmallVec::from_elem([NOWHERE; 27], present.len());
+        let until = SmallVec::from_elem(NEVER, present.len());
         Self { index, present, columns, until, around, rim: false, cost: 0 }
     }
 

@@ -109,11 +109,11 @@ fn load_rows<S: Simd>(from: &ValuesAround<'_>, region: &mut [Wide]) {
             let Some(row) = region[x * STRIDE[0] + y * STRIDE[1]..].first_chunk_mut::<{ STRIDE[1] }>() else {
                 return;
             };
+            // all of the row, touched or not: a range that varies costs more
+            let own = (nx * BLOCK as usize + ny) * BLOCK as usize;
             for dz in 0..3 {
-                let (begin, end) = (ENDS[dz].max(lower[2]), ENDS[dz + 1].min(upper[2]));
-                let own = (nx * BLOCK as usize + ny) * BLOCK as usize;
                 let pencil = &values[9 * dx + 3 * dy + dz][own..own + BLOCK as usize];
-                for z in begin..end {
+                for z in ENDS[dz]..ENDS[dz + 1] {
                     S::load(&pencil[node_of(z).1]).store(&mut row[z]);
                 }
             }
