@@ -220,6 +220,32 @@ mod tests {
     }
 
     #[test]
+    fn a_block_reaches_those_whose_nodes_are_in_its_buffer() {
+        for cells in [[9; 3], [9, 0, 9], [0, 9, 0]] {
+            let shape = BlockShape::of(cells);
+            let end = shape.buffer;
+            let parts = IndexBox { lower: [0; 3], upper: end.map(|n| n + 1) };
+            // every range along x, and some along y and z
+            for lower in parts.iter().filter(|lower| (0..3).all(|a| a == 0 || lower[a] % 3 == 0)) {
+                for upper in parts.iter().filter(|upper| (0..3).all(|a| a == 0 || upper[a] % 2 == 0)) {
+                    let (part, bits) = (IndexBox { lower, upper }, shape.reached(&IndexBox { lower, upper }));
+                    for (q, d) in crate::around().enumerate() {
+                        // seen from there this block lies at `d`
+                        let there = shape.first_node(d.map(|d| -d));
+                        let first = shape.first_of_buffer([0; 3]);
+                        let has = |a: usize| {
+                            let mut nodes = (there[a]..there[a] + shape.nodes[a]).map(|n| n - first[a]);
+                            let flat = shape.is_collapsed(a) && d[a] != 0;
+                            !flat && nodes.any(|n| part.lower[a] <= n && n < part.upper[a])
+                        };
+                        assert_eq!(bits >> q & 1 == 1, (0..3).all(has), "{part:?} {d:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_collapsed_axis_has_one_layer() {
         let shape = BlockShape::of([8, 8, 0]);
         assert_eq!((shape.node_count(), shape.buffer_len()), (16, 64));

@@ -8,6 +8,7 @@ mod crowd;
 mod layouts;
 mod many;
 mod moving;
+mod ready;
 mod reference;
 mod refusals;
 mod run;

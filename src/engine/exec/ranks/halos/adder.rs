@@ -54,7 +54,7 @@ impl Adder {
 
     /// Lines that follow the first one.
     pub fn lines(&self, exchange: &Exchange, context: &Context<'_>, header: &Header) -> usize {
-        let nodes = |q| overlap(&context.shape, back(q), &header.touched).map_or(0, |(nodes, _)| nodes.len());
+        let nodes = |q| overlap(context.shape, back(q), &header.touched).map_or(0, |(nodes, _)| nodes.len());
         let there = exchange.labels.iter().enumerate().filter(|(at, _)| header.has(*at));
         let width = there.map(|(_, label)| label.width()).sum::<usize>();
         width * context.fields.of(self.material).len() * self.towards().map(nodes).sum::<usize>()
@@ -88,7 +88,7 @@ impl Adder {
             let length = context.node_layout.buffer * label.width();
             for field in 0..context.fields.of(self.material).len() {
                 for q in self.towards() {
-                    for (_, there) in pencils(&context.shape, back(q), &header.touched) {
+                    for (_, there) in pencils(context.shape, back(q), &header.touched) {
                         let there = lines(there, label.width());
                         each(place, field * length + there.start..field * length + there.end);
                     }

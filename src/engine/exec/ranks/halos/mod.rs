@@ -208,10 +208,10 @@ impl Halos {
             let mut message = network.memory(most);
             for read in halo.read_here.iter().filter(ends) {
                 let block = &nodes[read.place.0].blocks[read.place.1];
-                let nodes = read.nodes(&context.shape, &halo.adders_there, particles, exchange.whole);
+                let nodes = read.nodes(context.shape, &halo.adders_there, particles, exchange.whole);
                 for (label, field) in columns(exchange, context, read.material) {
                     let values = block.lines(context.node_layout, label, field).unwrap_or_default();
-                    rows(&context.shape, &nodes, label.width())
+                    rows(context.shape, &nodes, label.width())
                         .filter_map(|row| values.get(row))
                         .for_each(|row| message.extend_from_slice(row));
                 }
@@ -237,11 +237,11 @@ impl Halos {
         for halo in self.0.iter().filter(|it| it.rank == rank) {
             let ends = |read: &&NodesRead| travels(exchange, context.schedule, read.material);
             for read in halo.read_there.iter().filter(ends) {
-                let touched = read.nodes(&context.shape, &halo.adders_here, particles, exchange.whole);
+                let touched = read.nodes(context.shape, &halo.adders_here, particles, exchange.whole);
                 let block = &mut nodes[read.place.0].blocks[read.place.1];
                 for (label, field) in columns(exchange, context, read.material) {
                     let values = block.lines_mut(context.node_layout, label, field).unwrap_or_default();
-                    for row in rows(&context.shape, &touched, label.width()) {
+                    for row in rows(context.shape, &touched, label.width()) {
                         if let Some(into) = values.get_mut(row) {
                             into.copy_from_slice(reader.next(into.len()));
                         }
