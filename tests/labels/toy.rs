@@ -99,7 +99,7 @@ kernel! { /// Particles read what the last step left, before anybody adds to nod
         modifies { seen: Seen }
     }
     |it, at, io| for (tile, lane) in (0..at.count).map(|p| (p / 8, p % 8)) {
-        let begin = field(&io.identity[tile], lane, it.0, &at.origin.shape);
+        let begin = field(&io.identity[tile], lane, it.0, at.origin.shape);
         for (line, s) in corners(&io.place[tile], lane, &at.origin) {
             io.seen[tile][0].0[lane] += s * io.total[begin + line][2].0[7];
         }
@@ -123,7 +123,7 @@ kernel! { /// Everything that particles can add to nodes.
         }
     }
     |it, at, io| for (tile, lane) in (0..at.count).map(|p| (p / 8, p % 8)) {
-        let begin = field(&io.identity[tile], lane, it.0, &at.origin.shape);
+        let begin = field(&io.identity[tile], lane, it.0, at.origin.shape);
         let q = io.charge[tile].0[lane];
         for (line, s) in corners(&io.place[tile], lane, &at.origin) {
             let line = begin + line;
@@ -145,7 +145,7 @@ kernel! { /// The same where fields meet.
         computes { sum: MeetSum @ 3 }
     }
     |it, at, io| for (tile, lane) in (0..at.count).map(|p| (p / 8, p % 8)) {
-        let begin = field(&io.identity[tile], lane, it.0, &at.origin.shape);
+        let begin = field(&io.identity[tile], lane, it.0, at.origin.shape);
         for (line, s) in corners(&io.place[tile], lane, &at.origin) {
             io.sum[begin + line].0[2] += s * io.charge[tile].0[lane];
         }
@@ -209,7 +209,7 @@ kernel! { /// Particles read what nodes have in the same graph.
         modifies { seen: Seen }
     }
     |it, at, io| for (tile, lane) in (0..at.count).map(|p| (p / 8, p % 8)) {
-        let begin = field(&io.identity[tile], lane, it.0, &at.origin.shape);
+        let begin = field(&io.identity[tile], lane, it.0, at.origin.shape);
         for (line, s) in corners(&io.place[tile], lane, &at.origin) {
             io.seen[tile][1].0[lane] += s * io.value[begin + line].0[0];
             io.seen[tile][1].0[lane] += s * io.value[begin + line].0[1];
@@ -222,7 +222,7 @@ kernel! { /// The same where fields meet; where they do not, there are zeros.
         modifies { seen: Seen }
     }
     |it, at, io| for (tile, lane) in (0..at.count).map(|p| (p / 8, p % 8)) {
-        let begin = field(&io.identity[tile], lane, it.0, &at.origin.shape);
+        let begin = field(&io.identity[tile], lane, it.0, at.origin.shape);
         for (line, s) in corners(&io.place[tile], lane, &at.origin) {
             io.seen[tile][2].0[lane] += s * io.value[begin + line].0[5];
         }
@@ -242,7 +242,7 @@ kernel! { /// A round: nodes to particles, and back.
         computes { sum: StageSum @ 3 }
     }
     |it, at, io| for (tile, lane) in (0..at.count).map(|p| (p / 8, p % 8)) {
-        let begin = field(&io.identity[tile], lane, it.0, &at.origin.shape);
+        let begin = field(&io.identity[tile], lane, it.0, at.origin.shape);
         let nodes = || corners(&io.place[tile], lane, &at.origin);
         let here: f64 = nodes().map(|(line, s)| s * io.value[begin + line][1].0[6]).sum();
         nodes().for_each(|(line, s)| io.sum[begin + line].0[1] += s * here);
@@ -272,7 +272,7 @@ kernel! { /// Particles read what lives longer than a graph, and move, but not o
         modifies { position: Position, seen: Seen, memory: Memory }
     }
     |it, at, io| for (tile, lane) in (0..at.count).map(|p| (p / 8, p % 8)) {
-        let begin = field(&io.identity[tile], lane, it.0, &at.origin.shape);
+        let begin = field(&io.identity[tile], lane, it.0, at.origin.shape);
         for (line, s) in corners(&io.place[tile], lane, &at.origin) {
             io.seen[tile][3].0[lane] += s * io.value[begin + line][1].0[6];
             io.seen[tile][3].0[lane] += s * (io.value[begin + line][0].0[0] + io.total[begin + line][0].0[7]);
