@@ -14,13 +14,15 @@ pub struct Brief {
     lines: u16,
     /// The address of the first of them.
     first: usize,
+    /// The address of the block.
+    block: usize,
 }
 
 impl Brief {
     /// The most lines that are asked for: more bring themselves.
     const MOST: u16 = 192;
     /// Of no block.
-    pub const NOTHING: Self = Self { touched: [[0; 3]; 2], reached: 0, lines: 0, first: 0 };
+    pub const NOTHING: Self = Self { touched: [[0; 3]; 2], reached: 0, lines: 0, first: 0, block: 0 };
 
     /// Of a block as it is now.
     #[inline]
@@ -33,6 +35,7 @@ impl Brief {
             reached: shape.reached(&block.touched),
             lines: lines.try_into().unwrap_or(u16::MAX),
             first: first as usize,
+            block: std::ptr::from_ref(block) as usize,
         }
     }
 
@@ -49,11 +52,15 @@ impl Brief {
         self.reached >> q & 1 == 1
     }
 
-    /// Asks for the columns of a block with few particles: work on them is over before memory has brought them.
+    /// Asks for the block, and for its columns if it has few particles: work on them is over before memory has brought them.
     pub fn announce(&self) {
+        let ask = |first: usize, lines: usize| {
+            let line = |line| (first + line * size_of::<Wide>()) as *const Wide;
+            (0..lines).for_each(|n| prefetch_at(line(n)));
+        };
+        ask(self.block, size_of::<ParticleBlock>().div_ceil(size_of::<Wide>()));
         if self.lines <= Self::MOST {
-            let line = |line| (self.first + line * size_of::<Wide>()) as *const Wide;
-            (0..usize::from(self.lines)).for_each(|n| prefetch_at(line(n)));
+            ask(self.first, self.lines.into());
         }
     }
 }
