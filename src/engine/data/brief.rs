@@ -1,7 +1,9 @@
 //! What is asked of many blocks of particles at a time, in a list beside them: the blocks themselves need not be brought for it.
+use super::layout::ParticleLayout;
 use super::particles::ParticleBlock;
+use crate::schema::LabelId;
 use grid::{BlockShape, IndexBox};
-use simd::{Wide, prefetch_at};
+use simd::{Wide, prefetch_at, prefetch_later};
 
 /// What others know of a block of particles.
 #[derive(Clone, Copy, Debug)]
@@ -52,15 +54,19 @@ impl Brief {
         self.reached >> q & 1 == 1
     }
 
-    /// Asks for the block, and for its columns if it has few particles: work on them is over before memory has brought them.
-    pub fn announce(&self) {
-        let ask = |first: usize, lines: usize| {
-            let line = |line| (first + line * size_of::<Wide>()) as *const Wide;
-            (0..lines).for_each(|n| prefetch_at(line(n)));
-        };
-        ask(self.block, size_of::<ParticleBlock>().div_ceil(size_of::<Wide>()));
+    /// Asks for the block, and for its columns if it has few particles: work on them is over before memory has brought them. Of others, for
+    /// the first `tiles` of some labels: work on a tile asks for those behind it, and nobody for these.
+    pub fn announce(&self, layout: &ParticleLayout, labels: impl Iterator<Item = LabelId>, tiles: usize) {
+        let line = |first: usize, line: usize| (first + line * size_of::<Wide>()) as *const Wide;
+        let header = size_of::<ParticleBlock>().div_ceil(size_of::<Wide>());
+        (0..header).for_each(|n| prefetch_at(line(self.block, n)));
         if self.lines <= Self::MOST {
-            ask(self.first, self.lines.into());
+            return (0..self.lines.into()).for_each(|n| prefetch_at(line(self.first, n)));
+        }
+        let capacity = usize::from(self.lines) / layout.total;
+        for label in labels {
+            let first = layout.starts[label.index()] * capacity;
+            (first..first + layout.width(label) * tiles).for_each(|n| prefetch_later(line(self.first, n)));
         }
     }
 }

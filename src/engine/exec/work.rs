@@ -1,7 +1,7 @@
 //! Phases over blocks: lists of blocks, spread over workers.
 use super::Executor;
 use super::recorder::Recorder;
-use super::scratch::Scratch;
+use super::scratch::{AHEAD, Scratch};
 use super::stage::{self, Context};
 use super::trace::{Event, Kind, NONE};
 use crate::data::brief::Brief;
@@ -13,6 +13,7 @@ use crate::data::warehouse::{MaterialData, NodePatch, ParticlePatch, Warehouse};
 use crate::data::workspace::recycle;
 use crate::graph::exchange::{Exchange, Way};
 use crate::graph::phase::{Phase, Stage, When};
+use crate::schema::Home;
 use grid::Partition;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -153,7 +154,11 @@ pub fn over_particles<E: Executor>(
     let sweep = if *metered { stage::sweep::<true> } else { stage::sweep::<false> };
     executor.each(&mut items, |worker, (stage, block, brief, next)| {
         let moment = watch.begin();
-        next.announce();
+        if let Some(material) = stage.material {
+            let labels = stage.touched.iter().map(|access| access.label);
+            let particles = labels.filter(|label| label.home() == Home::Particle);
+            next.announce(&context.materials[material].layout, particles, AHEAD);
+        }
         sweep(context, stage, data.nodes, &mut lock(&scratch[worker]), block);
         **brief = Brief::of(block, context.shape);
         block.cost += watch.end(began, moment, worker, stage, slab);
