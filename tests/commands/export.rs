@@ -100,6 +100,28 @@ fn text_formats_hold_every_number() {
     );
     same(&table(body, ','), &rows(&frame));
 
+    // fields stand as they were asked for, not as the file has them
+    let asked = ["--fields", "velocity,failure,deformation_gradient", "--frames", "last"];
+    let mut turned = frame.clone();
+    let place = |name: &str| asked[1].split(',').position(|field| field == name);
+    turned.columns.retain(|(field, _)| place(&field.name).is_some());
+    turned.columns.sort_by_key(|(field, _)| place(&field.name));
+    assert_ne!(turned.columns[0].0, frame.columns[0].0);
+    let here = |name: &str| folder.path().join(name).display().to_string();
+    let list = export(&run, &[&["--format", "csv", "--out", &here("turned")], &asked[..]].concat());
+    let written = ok(std::fs::read_to_string(list.with_file_name(format!("frame-{number:06}.csv"))));
+    let (header, body) = written.split_once('\n').expect("a header");
+    assert!(header.starts_with("id,material,x,y,z,velocity_x,velocity_y,velocity_z,failure"), "{header}");
+    same(&table(body, ','), &rows(&turned));
+    let dump = export(&run, &[&["--format", "lammps", "--out", &here("turned-too")], &asked[..]].concat());
+    let written = ok(std::fs::read_to_string(dump));
+    let body = written.lines().skip_while(|line| !line.starts_with("ITEM: ATOMS")).skip(1);
+    let numbers = |line: &str| line.split(' ').skip(5).map(|cell| ok(cell.parse())).collect();
+    same(
+        &body.map(numbers).collect::<Vec<Vec<f32>>>(),
+        &rows(&turned).into_iter().map(|row| row[5..].to_vec()).collect::<Vec<_>>(),
+    );
+
     let dump = export(&run, &["--format", "lammps", "--out", text(&folder.path().join("elsewhere"))]);
     let written = ok(std::fs::read_to_string(&dump));
     assert!(written.starts_with("ITEM: UNITS\nsi\nITEM: TIME\n"));

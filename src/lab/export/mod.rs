@@ -51,15 +51,16 @@ impl Frames<'_> {
         }
     }
 
-    /// One of the frames that are wanted, its particles in the order of their identities.
+    /// One of the frames that are wanted, its particles in the order of their identities, and its columns in that of the fields.
     fn frame(&self, number: usize) -> Result<Snapshot> {
         let names: Vec<&str> = self.fields.iter().map(|field| field.name.as_str()).collect();
-        let frame = self.reader.frame_with(number, &names).map_err(|error| match error {
+        let mut frame = self.reader.frame_with(number, &names).map_err(|error| match error {
             Error::Content { path, problem } => {
                 Error::Content { path, problem: format!("{problem}. With --frames it can be left out") }
             }
             other => other,
         })?;
+        frame.columns.sort_by_key(|(field, _)| names.iter().position(|name| *name == field.name));
         Ok(sorted(frame))
     }
 

@@ -28,6 +28,8 @@ pub struct Frames {
     next: u64,
     /// How many of the first frames are there, with none missing between them.
     whole: u64,
+    /// The step of the last frame that is there.
+    last: Option<u64>,
     flight: Flight,
     /// On rank 0, while it is not at work.
     writer: Option<Writer>,
@@ -47,6 +49,7 @@ enum Flight {
     /// The index, on rank 0.
     Index {
         number: u64,
+        step: u64,
         job: Option<Job<(Writer, output::Result<()>)>>,
     },
 }
@@ -74,7 +77,7 @@ impl Frames {
         let sees = seen::folder(network, index, writing)?;
         let (index, unsynced) = (index.into(), Vec::new());
         let flight = Flight::Nothing;
-        Ok(Self { index, run, writing, sees, next, whole: next, flight, writer, unsynced })
+        Ok(Self { index, run, writing, sees, next, whole: next, last: None, flight, writer, unsynced })
     }
 
     /// Number of frames that were begun so far, whether all are still there or not.
@@ -85,6 +88,11 @@ impl Frames {
     /// Whether the first `count` frames are written and named.
     pub fn has(&self, count: u64) -> bool {
         self.whole >= count
+    }
+
+    /// Whether this start of the run has written a frame of a step.
+    pub fn shows(&self, step: u64) -> bool {
+        self.last == Some(step)
     }
 
     /// Whether something is on its way, and this rank has done its part of that. For one rank.
@@ -205,11 +213,12 @@ impl Frames {
                 };
                 self.unsynced.extend(path);
                 let parts = gather(network, part)?;
+                let step = head.step;
                 let job = self.name(network.admits_threads(), (number, head), parts);
-                self.flight = Flight::Index { number, job };
+                self.flight = Flight::Index { number, step, job };
                 Ok(())
             }
-            Flight::Index { number, job } => {
+            Flight::Index { number, step, job } => {
                 let named = job.map_or(Ok(()), |job| {
                     let (writer, named) = job?.end().unzip();
                     self.writer = writer;
@@ -217,6 +226,7 @@ impl Frames {
                 });
                 together::agree(network, named)?;
                 self.whole += u64::from(number == self.whole);
+                self.last = Some(step);
                 Ok(())
             }
         }

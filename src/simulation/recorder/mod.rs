@@ -357,11 +357,16 @@ impl Recorder {
                     self.frames.as_ref().is_none_or(|frames| frames.has(recorded.frames))
                 };
                 let _ = backup.write(&self.folder, simulation, there);
-                let _ = self.frame(simulation).and_then(|()| self.settle(simulation));
+                if !self.frames.as_ref().is_some_and(|frames| frames.shows(simulation.steps())) {
+                    let _ = self.frame(simulation).and_then(|()| self.settle(simulation));
+                }
                 (Status::Failed, Some(error))
             }
         };
-        self.sync(simulation)?;
+        let synced = self.sync(simulation);
+        if error.is_none() {
+            synced?;
+        }
         let wall_s = self.wall_s();
         let stepping_s = wall_s - self.output_s - self.before.output_s;
         let timing = simulation.timing(self.began.elapsed().as_secs_f64())?;
