@@ -78,7 +78,11 @@ pub fn run(args: &RunArgs, crew: Crew) -> Result<(), Failure> {
     if simulation.network().size() > 1 {
         // a picture takes a whole frame: no rank holds the particles of all
         if first && voice != Voice::Json && simulation.scene.output.frames > 0 {
-            say!("to see it      sinew picture {0}; sinew wound {0}", folder.display());
+            let wound = match simulation.scene.output.wound {
+                Some(_) => format!("; sinew wound {}", folder.display()),
+                None => String::new(),
+            };
+            say!("to see it      sinew picture {}{wound}", folder.display());
         }
         simulation.network().part(None);
         return Ok(());
