@@ -50,7 +50,7 @@ fn a_full_disk_is_an_error() {
         assert!(message.contains("/dev/full") && message.contains("free some space"), "{message}");
     }
     let message = History::create(Path::new("/no/history.csv"), &columns()).unwrap_err().to_string();
-    assert!(message.contains("/no/history.csv") && message.contains("folder exists"), "{message}");
+    assert!(message.contains("/no/history.csv") && message.contains("is not there"), "{message}");
 }
 
 #[test]

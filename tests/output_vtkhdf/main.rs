@@ -269,7 +269,7 @@ fn errors_name_the_file_and_what_is_wrong() {
     let missing = folder.path().join("no/particles.vtkhdf");
     let message = Writer::create(&missing, run()).unwrap_err().to_string();
     assert!(message.contains("cannot create") && message.contains("no/particles"), "{message}");
-    assert!(Reader::open(&missing).unwrap_err().to_string().contains("folder exists"));
+    assert!(Reader::open(&missing).unwrap_err().to_string().contains("is not there"));
 
     let other = folder.path().join("other.vtkhdf");
     std::fs::write(&other, "not HDF5").unwrap();
