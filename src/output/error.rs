@@ -66,7 +66,9 @@ fn remedy(source: &io::Error) -> &'static str {
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
             "make it readable and its folder writable, or write elsewhere with --out"
         }
-        ErrorKind::NotFound | ErrorKind::NotADirectory => "check the path: the file, or a folder of it, is not there",
+        ErrorKind::NotFound | ErrorKind::NotADirectory => {
+            "check the path: the file, or a folder of it, is not there"
+        }
         _ => "check the path and the disk",
     }
 }
