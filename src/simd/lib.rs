@@ -155,37 +155,36 @@ pub fn prefetch(lines: &[Wide], ahead: usize) {
 
 /// Asks for the line at an address, whatever it is.
 #[inline(always)]
-#[allow(unsafe_code)]
 pub fn prefetch_at<T>(line: *const T) {
-    #[cfg(target_arch = "x86_64")]
-    // SAFETY: a prefetch never faults, whatever the address.
-    unsafe {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        _mm_prefetch::<_MM_HINT_T0>(line.cast());
-    }
-    #[cfg(target_arch = "aarch64")]
-    // SAFETY: as above.
-    unsafe {
-        std::arch::asm!("prfm pldl1keep, [{}]", in(reg) line, options(nostack, preserves_flags, readonly));
-    }
-    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-    let _ = line;
+    ask::<T, false>(line);
 }
 
 /// As [`prefetch_at`], for what is wanted later: it comes to the second-level cache, and takes no place in the first one.
 #[inline(always)]
-#[allow(unsafe_code)]
 pub fn prefetch_later<T>(line: *const T) {
+    ask::<T, true>(line);
+}
+
+#[inline(always)]
+#[allow(unsafe_code)]
+fn ask<T, const LATER: bool>(line: *const T) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: a prefetch never faults, whatever the address.
     unsafe {
-        use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
-        _mm_prefetch::<_MM_HINT_T1>(line.cast());
+        use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
+        match LATER {
+            true => _mm_prefetch::<_MM_HINT_T1>(line.cast()),
+            false => _mm_prefetch::<_MM_HINT_T0>(line.cast()),
+        }
     }
     #[cfg(target_arch = "aarch64")]
     // SAFETY: as above.
     unsafe {
-        std::arch::asm!("prfm pldl2keep, [{}]", in(reg) line, options(nostack, preserves_flags, readonly));
+        use std::arch::asm;
+        match LATER {
+            true => asm!("prfm pldl2keep, [{}]", in(reg) line, options(nostack, preserves_flags, readonly)),
+            false => asm!("prfm pldl1keep, [{}]", in(reg) line, options(nostack, preserves_flags, readonly)),
+        }
     }
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     let _ = line;

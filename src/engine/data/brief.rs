@@ -21,7 +21,7 @@ pub struct Brief {
 }
 
 impl Brief {
-    /// The most lines that are asked for: more bring themselves.
+    /// The most lines that are asked for as a whole.
     const MOST: u16 = 192;
     /// Of no block.
     pub const NOTHING: Self = Self { touched: [[0; 3]; 2], reached: 0, lines: 0, first: 0, block: 0 };

@@ -10,7 +10,7 @@ use simd::{Job, Simd, Wide, prefetch};
 /// What the blocks around a node block add to the nodes of one field.
 #[derive(Clone, Copy)]
 pub struct Around<'a> {
-    /// Which label (see [`ParticleBlock::partials`]).
+    /// Which label (see [`partials`](crate::data::particles::ParticleBlock::partials)).
     pub place: usize,
     /// The material.
     pub material: usize,
